@@ -1,0 +1,23 @@
+// Where the program finds its own files, in a build tree and when installed.
+#pragma once
+
+#include <filesystem>
+
+namespace restirpg {
+
+/// The folder of librestirpg.so (or of the test program that contains it).
+std::filesystem::path libraryFolder();
+
+/// The GLSL library `framework/shaders`: RESTIRPG_SHADERS if set, the installed share/restirpg/shaders beside the library, else the source tree.
+std::filesystem::path shaderFolder();
+
+/// The pure-Python package's parent folder: what PYTHONPATH needs.
+std::filesystem::path pythonFolder();
+
+/// The interpreter that evaluates graph files: RESTIRPG_PYTHON if set, else the one found at configure time.
+std::filesystem::path pythonInterpreter();
+
+/// Per-user cache: RESTIRPG_CACHE_DIR, else $XDG_CACHE_HOME/restirpg, else ~/.cache/restirpg. Created on first use.
+std::filesystem::path cacheFolder();
+
+}  // namespace restirpg

@@ -1,0 +1,96 @@
+// The GPU-free half of the render graph: read a description, check it, order it, cull it, plan its resources.
+#pragma once
+
+#include "graph/plugins.h"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace restirpg {
+
+/// Where something was written in a graph file.
+struct Location {
+    std::string file;
+    uint32_t line = 0;
+    std::string text() const { return file + ":" + std::to_string(line); }
+};
+
+/// A graph file as JSON, checked for shape only. See python/restirpg/graph.py for the schema.
+nlohmann::json readGraphFile(const std::filesystem::path& file);
+
+/// An edge into an input port.
+struct Edge {
+    uint32_t source;  ///< index into Graph::passes
+    uint32_t output;  ///< index into the source's outputs
+    uint32_t target;
+    uint32_t input;
+    bool delayed;  ///< reads the resource as it was one frame ago
+};
+
+struct GraphPass {
+    std::string name;  ///< in the graph: "paths"
+    std::string type;  ///< the plugin: "PathTracerGuided"
+    Location location;
+    std::unique_ptr<Pass> pass;
+    Interface interface;
+    bool live = false;  ///< reachable from the graph's outputs, over all edges
+};
+
+/// A named output of the graph.
+struct GraphOutput {
+    std::string name;
+    uint32_t pass;
+    uint32_t output;
+};
+
+/// A resource the executor allocates: one output port of a live pass that somebody reads.
+struct PlannedResource {
+    uint32_t pass;
+    uint32_t output;
+    bool delayed;  ///< somebody reads last frame's value: two copies, alternating
+    uint32_t firstUse;  ///< positions in Graph::order, for tools
+    uint32_t lastUse;
+};
+
+/// A parsed, checked and ordered graph. Throws Error with every mistake found, one a line, each located in the graph file.
+class Graph {
+public:
+    /// From a description (readGraphFile) and the plugins at hand.
+    Graph(nlohmann::json description, Plugins& plugins);
+
+    const std::string& name() const { return name_; }
+    std::vector<GraphPass>& passes() { return passes_; }
+    const std::vector<GraphPass>& passes() const { return passes_; }
+    const std::vector<Edge>& edges() const { return edges_; }
+    const std::vector<GraphOutput>& outputs() const { return outputs_; }
+    const std::vector<uint32_t>& order() const { return order_; }  ///< live passes in execution order
+    const std::vector<PlannedResource>& resources() const { return resources_; }
+
+    /// A live or dead pass by name; nullptr when there is none.
+    GraphPass* find(const std::string& name);
+
+    /// Set "pass.knob" from text; throws Error naming the choices and the nearest name.
+    void setKnob(const std::string& path, const std::string& value);
+    /// Set `knob` on every pass that has it; the number of passes that do.
+    uint32_t setKnobEverywhere(const std::string& knob, const nlohmann::json& value);
+
+    /// The description with the knobs as they are now: what an EXR header carries, and a valid graph file.
+    nlohmann::json description() const;
+
+    /// Graphviz text.
+    std::string dot() const;
+
+private:
+    std::string name_;
+    nlohmann::json description_;
+    std::vector<GraphPass> passes_;
+    std::vector<Edge> edges_;
+    std::vector<GraphOutput> outputs_;
+    std::vector<uint32_t> order_;
+    std::vector<PlannedResource> resources_;
+};
+
+}  // namespace restirpg

@@ -1,0 +1,106 @@
+// What a pass takes, makes and lets a user turn. A pass declares it once in Pass::describe; the graph, the command line,
+// Python, the EXR header and the docs read it here.
+#pragma once
+
+#include "graph/knob.h"
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace restirpg {
+
+class Buffer;  // gpu/buffer.h
+
+/// What travels along an edge. Two ports connect when their type names are equal.
+struct PortType {
+    std::string name;  ///< "Image3", "Surface", ...
+    uint32_t channels = 0;  ///< > 0: a float image (H, W, channels), readable as a NumPy array and writable as an EXR layer
+    uint32_t bytesPerPixel = 0;
+    std::function<uint64_t()> fixedBytes;  ///< when set, bytes of the whole resource, whatever the image size (read after knobs are set)
+
+    uint64_t bytes(uint32_t width, uint32_t height) const
+    {
+        return fixedBytes ? fixedBytes() : uint64_t(bytesPerPixel) * width * height;
+    }
+};
+
+/// Float image of 1 to 4 channels, row by row from the top, scalar layout.
+inline PortType image(uint32_t channels)
+{
+    return {"Image" + std::to_string(channels), channels, 4 * channels, {}};
+}
+
+/// One T for each pixel, row by row; `name` is the type's name.
+template <typename T>
+PortType perPixel(const std::string& name)
+{
+    return {name, 0, uint32_t(sizeof(T)), {}};
+}
+
+/// A resource whose size does not follow the image.
+inline PortType fixedSize(const std::string& name, std::function<uint64_t()> bytes)
+{
+    return {name, 0, 0, std::move(bytes)};
+}
+
+/// The member variable behind a port. The executor points it at this frame's buffer before Pass::record.
+template <typename Resource>
+struct In {
+    const Resource* resource = nullptr;  ///< null: the port is not wired
+    explicit operator bool() const { return resource != nullptr; }
+    const Resource* operator->() const { return resource; }
+};
+
+template <typename Resource>
+struct Out {
+    Resource* resource = nullptr;  ///< null: nobody reads this output
+    explicit operator bool() const { return resource != nullptr; }
+    Resource* operator->() const { return resource; }
+};
+
+struct InputPort {
+    std::string name;
+    PortType type;
+    std::string meaning;
+    bool optional = false;
+    In<Buffer>* target = nullptr;
+};
+
+struct OutputPort {
+    std::string name;
+    PortType type;
+    std::string meaning;
+    Out<Buffer>* target = nullptr;
+};
+
+/// Collects a pass's declarations. Names are lower_snake_case; meanings are one sentence, no full stop.
+class Interface {
+public:
+    void input(const std::string& name, In<Buffer>& target, PortType type, const std::string& meaning);
+    void optionalInput(const std::string& name, In<Buffer>& target, PortType type, const std::string& meaning);
+    void output(const std::string& name, Out<Buffer>& target, PortType type, const std::string& meaning);
+
+    void knob(const std::string& name, bool& target, const std::string& meaning);
+    void knob(const std::string& name, int32_t& target, int32_t minimum, int32_t maximum, const std::string& meaning);
+    void knob(const std::string& name, uint32_t& target, uint32_t minimum, uint32_t maximum, const std::string& meaning);
+    void knob(const std::string& name, float& target, float minimum, float maximum, const std::string& meaning);
+    void knob(const std::string& name, std::string& target, const std::string& meaning);
+    void choice(const std::string& name, std::string& target, std::vector<std::string> choices, const std::string& meaning);
+    /// Marks the knob declared last: a change of it rebuilds the pass (kernels, buffer sizes).
+    void structural();
+
+    const std::vector<InputPort>& inputs() const { return inputs_; }
+    const std::vector<OutputPort>& outputs() const { return outputs_; }
+    std::vector<Knob>& knobs() { return knobs_; }
+    const std::vector<Knob>& knobs() const { return knobs_; }
+
+private:
+    std::vector<InputPort> inputs_;
+    std::vector<OutputPort> outputs_;
+    std::vector<Knob> knobs_;
+};
+
+}  // namespace restirpg

@@ -1,0 +1,34 @@
+// Typed knobs: what a user may turn on a pass, declared once.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace restirpg {
+
+/// One knob of a pass, bound to the pass's member variable.
+struct Knob {
+    using Target = std::variant<bool*, int32_t*, uint32_t*, float*, std::string*>;
+
+    std::string name;
+    Target target;
+    std::string meaning;  ///< one sentence, with unit and source
+    double minimum;  ///< inclusive; for numbers
+    double maximum;
+    std::vector<std::string> choices;  ///< for strings: the allowed values; empty: any
+    bool structural = false;  ///< a change rebuilds the pass (kernels, buffer sizes)
+
+    /// "bool", "int", "uint", "float", "choice" or "string".
+    std::string typeName() const;
+    nlohmann::json get() const;
+    /// Throws Error (without a place) when the type, the range or the choice is wrong; the value is unchanged then.
+    void set(const nlohmann::json& value);
+    /// As set, from the text of `--set pass.knob=value`.
+    void setFromText(const std::string& text);
+};
+
+}  // namespace restirpg

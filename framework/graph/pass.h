@@ -1,0 +1,46 @@
+// The base class of every pass, and the entry points of a plugin.
+#pragma once
+
+#include "graph/interface.h"
+
+#include <memory>
+#include <string>
+
+namespace restirpg {
+
+class Device;  // gpu/device.h
+class Frame;  // graph/executor.h
+
+/// Changes whenever a struct or a virtual function that plugins see changes. Checked when a plugin is loaded.
+constexpr uint32_t PLUGIN_ABI = 1;
+
+class Pass {
+public:
+    virtual ~Pass() = default;
+
+    /// Declare ports and knobs. Called once, before anything else; touches no GPU.
+    virtual void describe(Interface& io) = 0;
+
+    /// Compile kernels and load what does not change with the frame. Called before the first frame, when a structural knob or
+    /// the scene changed, and on hot reload.
+    virtual void build(Device& device) = 0;
+
+    /// Record this frame's dispatches. Barriers between passes and between dispatches are the frame's.
+    virtual void record(Frame& frame) = 0;
+};
+
+/// What a plugin exports as `restirpgPlugin`.
+struct PluginEntry {
+    uint32_t abi;
+    const char* name;
+    const char* meaning;
+    std::unique_ptr<Pass> (*create)();
+};
+
+}  // namespace restirpg
+
+/// Export the class `Type` as the plugin of this shared library, with one sentence of what it does.
+#define RESTIRPG_PASS(Type, meaning)                                                                              \
+    extern "C" __attribute__((visibility("default"))) const ::restirpg::PluginEntry restirpgPlugin = {            \
+        ::restirpg::PLUGIN_ABI, #Type, meaning,                                                                   \
+        []() -> std::unique_ptr<::restirpg::Pass> { return std::make_unique<Type>(); }};

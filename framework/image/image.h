@@ -1,0 +1,59 @@
+// Float images in memory, their files, and the display transform.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace restirpg {
+
+/// Interleaved float image, rows from the top. pixel (x, y), channel c at data[(y * width + x) * channels + c].
+struct Image {
+    uint32_t width = 0;
+    uint32_t height = 0;
+    uint32_t channels = 0;
+    std::vector<float> data;
+
+    bool empty() const { return data.empty(); }
+    float& at(uint32_t x, uint32_t y, uint32_t c) { return data[(size_t(y) * width + x) * channels + c]; }
+    float at(uint32_t x, uint32_t y, uint32_t c) const { return data[(size_t(y) * width + x) * channels + c]; }
+};
+
+/// One named image of a multi-layer EXR. The layer with the empty name has the plain channels R, G, B.
+struct Layer {
+    std::string name;
+    Image image;
+};
+
+enum class PixelType { half, full };
+
+/// Write layers (all of one size) and string attributes as one scanline EXR (ZIP), to a temporary name in the same folder and
+/// then renamed. Channel names: R, G, B for 3 channels, Y for 1, X, Y for 2, R, G, B, A for 4; `NAME.` before them for a named layer.
+/// Values are linear and unclamped. Throws Error naming the file when it cannot be written.
+void writeExr(const std::filesystem::path& file, const std::vector<Layer>& layers, PixelType type,
+              const std::map<std::string, std::string>& attributes = {});
+
+/// Read the colour channels of an EXR as 3 channels: R, G, B of the plain layer (or of `layer`), or Y three times. Multi-part
+/// files: the first part. Deep, damaged, truncated or absurdly large files are one Error.
+Image readExr(const std::filesystem::path& file, const std::string& layer = "");
+
+/// String attributes of an EXR header.
+std::map<std::string, std::string> readExrAttributes(const std::filesystem::path& file);
+
+/// Read a Radiance .hdr (RGBE) as 3 channels.
+Image readHdr(const std::filesystem::path& file);
+
+/// Scene-linear Rec.709 to display, through OpenColorIO's CPU processor.
+struct DisplayTransform {
+    std::string config;  ///< path of a .ocio file; empty: the project's own small config
+    std::string display;  ///< empty: the config's default
+    std::string view;  ///< empty: the config's default
+    float exposure = 0;  ///< stops
+};
+
+/// Write an 8-bit PNG of a 3-channel (or 1-channel) image, atomically.
+void writePng(const std::filesystem::path& file, const Image& image, const DisplayTransform& transform = {});
+
+}  // namespace restirpg

@@ -1,0 +1,131 @@
+// A scene on the host: what glTF says, ready to be uploaded. Knows no GPU.
+#pragma once
+
+#include "shaders/scene_types.h"
+
+#include <glm/gtc/quaternion.hpp>
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace restirpg {
+
+/// An image in memory. Exactly one of the two pixel arrays is filled. Rows from the top.
+struct Texture {
+    enum class Wrap { repeat, mirroredRepeat, clampToEdge };
+    enum class Filter { linear, nearest };
+
+    std::string name;
+    uint32_t width = 0;
+    uint32_t height = 0;
+    bool srgb = false;  ///< bytes: r, g, b are sRGB encoded
+    std::vector<uint8_t> bytes;  ///< RGBA8
+    std::vector<float> floats;  ///< RGBA32F, linear
+    Wrap wrapU = Wrap::repeat;
+    Wrap wrapV = Wrap::repeat;
+    Filter filter = Filter::linear;
+
+    /// Linear RGBA at (u, v), with the texture's own wrap and filter, mip 0. What the GPU's sampler returns, but for rounding.
+    glm::vec4 sample(glm::vec2 uv) const;
+};
+
+/// One glTF mesh: the triangles of all of its primitives.
+struct SceneMesh {
+    std::string name;
+    uint32_t firstVertex = 0;
+    uint32_t vertexCount = 0;
+    uint32_t firstTriangle = 0;
+    uint32_t triangleCount = 0;
+};
+
+/// A node of the hierarchy, in an order in which parents come before children.
+struct Node {
+    std::string name;
+    int parent = -1;  ///< index into Scene::nodes, -1: a root
+    glm::vec3 translation{0};
+    glm::quat rotation{1, 0, 0, 0};
+    glm::vec3 scale{1};
+    std::optional<glm::mat4> matrix;  ///< replaces translation, rotation and scale
+    uint32_t gltfIndex = 0;  ///< index in the file
+};
+
+/// One channel of a node animation.
+struct AnimationChannel {
+    enum class Path { translation, rotation, scale };
+    enum class Interpolation { step, linear, cubicSpline };
+
+    uint32_t node = 0;
+    Path path = Path::translation;
+    Interpolation interpolation = Interpolation::linear;
+    std::vector<float> times;  ///< seconds, ascending
+    std::vector<glm::vec4> values;  ///< one a key; cubicSpline: in-tangent, value, out-tangent a key. Rotations as x, y, z, w.
+};
+
+/// A perspective camera attached to a node (it looks along the node's -z).
+struct CameraNode {
+    std::string name;
+    uint32_t node = 0;
+    float yfov = 0.7f;  ///< radians
+};
+
+/// A KHR_lights_punctual light attached to a node (it shines along the node's -z).
+struct PunctualLight {
+    uint32_t node = 0;
+    uint32_t type = LIGHT_POINT;
+    glm::vec3 intensity{1};  ///< W/sr (point, spot) or W/m^2 (directional), colour included
+    float innerCone = 0;  ///< radians
+    float outerCone = 0.7853982f;
+};
+
+/// Light from infinitely far away.
+struct Environment {
+    glm::vec3 radiance{0};  ///< constant radiance, or the factor of the texture
+    std::optional<Texture> texture;  ///< equirectangular: u = 0.5 + atan2(x, -z) / 2 pi, v = acos(y) / pi
+    float rotation = 0;  ///< radians about +y
+};
+
+/// A mesh placed by a node.
+struct InstanceNode {
+    uint32_t mesh = 0;
+    uint32_t node = 0;
+};
+
+struct Scene {
+    std::filesystem::path file;
+    std::string hash;  ///< content hash of the file and everything it refers to, 16 hexadecimal digits
+
+    std::vector<Node> nodes;
+    std::vector<AnimationChannel> channels;
+    std::vector<SceneMesh> meshes;
+    std::vector<InstanceNode> instances;
+    std::vector<CameraNode> cameras;
+    std::vector<PunctualLight> punctualLights;
+    std::optional<Environment> environment;
+    std::vector<Material> materials;
+    std::vector<Texture> textures;
+
+    std::vector<glm::vec3> positions;  ///< per vertex, object space
+    std::vector<VertexAttributes> attributes;  ///< per vertex
+    std::vector<glm::uvec3> triangles;  ///< vertex indices relative to the mesh's firstVertex
+    std::vector<uint32_t> materialOfTriangle;
+
+    uint32_t camera = 0;  ///< into cameras
+    std::optional<uint32_t> bounceCap;  ///< asset extras "restirpg": {"bounces": n}: the scene's own bounce cap
+    float duration = 0;  ///< s, the end of the last animation key
+
+    uint64_t instancedTriangleCount() const;
+};
+
+/// World matrices of all nodes at a time, in the order of Scene::nodes. Times outside a channel's keys are clamped.
+/// `overrides` (empty, or one a node) replaces the local matrix of a node that a user moved.
+std::vector<glm::mat4> poseNodes(const Scene& scene, float time,
+                                 const std::vector<std::optional<glm::mat4>>& overrides = {});
+
+/// The shader's camera for one of the scene's camera nodes and an image aspect (width / height).
+Camera makeCamera(const CameraNode& camera, const glm::mat4& nodeToWorld, float aspect);
+
+}  // namespace restirpg

@@ -1,0 +1,19 @@
+// What every kernel knows of the frame it works on. Shared by C++ and GLSL: see types.h.
+#ifndef RESTIRPG_FRAME_TYPES_H
+#define RESTIRPG_FRAME_TYPES_H
+#include "scene_types.h"
+RESTIRPG_SHARED
+
+struct FrameConstants {
+    SceneTable scene;
+    Camera camera;
+    Camera previousCamera;
+    uvec2 size;  ///< pixels: width, height
+    uint frame;  ///< frames since the last cut
+    uint seed;  ///< of the run
+    uint reset;  ///< 1 on the first frame after a start, a resize or a cut: history is empty
+    float time;  ///< seconds, of the scene's animation
+};
+
+RESTIRPG_SHARED_END
+#endif

@@ -1,0 +1,175 @@
+// The scene as kernels see it. Shared by C++ and GLSL: see types.h.
+#ifndef RESTIRPG_SCENE_TYPES_H
+#define RESTIRPG_SCENE_TYPES_H
+#include "types.h"
+RESTIRPG_SHARED
+
+#ifdef __cplusplus
+#define RESTIRPG_CONST constexpr uint
+#else
+#define RESTIRPG_CONST const uint
+#endif
+
+RESTIRPG_CONST INVALID_INDEX = 0xffffffffu;
+
+/// A texture as a material refers to it: glTF textureInfo with KHR_texture_transform.
+/// uv' = vec2(dot(row0, vec3(uv, 1)), dot(row1, vec3(uv, 1))).
+struct TextureRef {
+    vec3 row0;
+    vec3 row1;
+    uint index;  ///< into the texture array; INVALID_INDEX: no texture
+    uint uvSet;  ///< 0 or 1
+};
+
+RESTIRPG_CONST MATERIAL_DOUBLE_SIDED = 1u;  ///< emits on both sides; scattering is always two-sided
+RESTIRPG_CONST MATERIAL_ALPHA_MASK = 2u;    ///< surface is absent where alpha < alphaCutoff
+RESTIRPG_CONST MATERIAL_SOLID = 4u;         ///< KHR_materials_volume with thickness > 0: refracts and absorbs
+RESTIRPG_CONST MATERIAL_EMISSIVE = 8u;      ///< emission can be non-zero
+
+/// glTF metallic-roughness with KHR_materials_{emissive_strength, transmission, ior, specular, volume}. Linear sRGB.
+struct Material {
+    vec3 baseColor;
+    float metallic;
+    vec3 emission;  ///< radiance, W/sr/m^2: emissiveFactor * emissiveStrength
+    float roughness;  ///< linear roughness; GGX alpha = roughness^2
+    vec3 specularColor;
+    float specular;
+    vec3 absorption;  ///< sigma_a inside a solid, 1/m: -log(attenuationColor) / attenuationDistance
+    float transmission;
+    float ior;
+    float coatAverage;  ///< cosine-weighted mean over the hemisphere of (F(cos) - F0) / (1 - F0) for this ior
+    float alpha;  ///< baseColorFactor.a
+    float alphaCutoff;
+    float normalScale;
+    uint flags;  ///< MATERIAL_*
+    TextureRef baseColorMap;  ///< sRGB, alpha in a
+    TextureRef metallicRoughnessMap;  ///< roughness in g, metallic in b
+    TextureRef normalMap;
+    TextureRef emissiveMap;  ///< sRGB
+    TextureRef transmissionMap;  ///< r
+    TextureRef specularMap;  ///< a
+    TextureRef specularColorMap;  ///< sRGB
+};
+
+/// What a vertex carries besides its position.
+struct VertexAttributes {
+    vec3 normal;
+    vec4 tangent;  ///< w: sign of the bitangent; all zero: no tangent
+    vec2 uv0;
+    vec2 uv1;
+    vec3 color;  ///< linear COLOR_0, 1 when absent
+};
+
+/// One glTF mesh, all of its primitives: a range of the global index and vertex arrays, and a bottom-level BVH.
+struct Mesh {
+    Address bvhNodes;  ///< software back end: BvhNode[]
+    Address bvhTriangles;  ///< software back end: BvhTriangle[]
+    uint firstTriangle;  ///< into the triangle arrays (indices, materials)
+    uint triangleCount;
+    uint firstVertex;  ///< added to each index
+    uint flags;  ///< MESH_*
+};
+RESTIRPG_CONST MESH_HAS_ALPHA_MASK = 1u;
+
+/// A mesh placed in the world.
+struct Instance {
+    mat4x3 objectToWorld;  ///< columns; this frame
+    mat4x3 worldToObject;
+    mat4x3 previousObjectToWorld;  ///< the frame before
+    uint mesh;
+    uint lightMap;  ///< base of this instance's triangles in lightOfTriangle; INVALID_INDEX: emits nothing
+    uint flipped;  ///< 1: objectToWorld mirrors, so the front face's winding is reversed
+    uint node;  ///< glTF node, for tools
+};
+
+RESTIRPG_CONST LIGHT_TRIANGLE = 0u;
+RESTIRPG_CONST LIGHT_POINT = 1u;
+RESTIRPG_CONST LIGHT_SPOT = 2u;
+RESTIRPG_CONST LIGHT_DIRECTIONAL = 3u;
+RESTIRPG_CONST LIGHT_ENVIRONMENT = 4u;
+
+/// A light of the power-weighted alias table (Walker's method; the entry holds its own pmf).
+struct Light {
+    uint type;  ///< LIGHT_*
+    uint instance;  ///< triangle: instance it belongs to
+    uint triangle;  ///< triangle: index within the mesh
+    float pmf;  ///< probability that sampling selects this light
+    float aliasThreshold;  ///< keep this entry when the fractional random number is below
+    uint alias;  ///< else take this one
+    vec3 position;  ///< point, spot
+    vec3 direction;  ///< spot, directional: from the light
+    vec3 intensity;  ///< point, spot: W/sr; directional: irradiance, W/m^2
+    float cosInner;  ///< spot: KHR_lights_punctual cone
+    float cosOuter;
+};
+
+/// One cell of the environment's alias table over texels.
+struct EnvironmentCell {
+    float pdf;  ///< probability density over the unit square of this texel
+    float aliasThreshold;
+    uint alias;
+};
+
+/// Pinhole camera. A pixel-plane point (px, py), in pixels from the top left, is seen along
+/// forward + (2 px / width - 1) right + (1 - 2 py / height) up; forward is a unit vector.
+struct Camera {
+    vec3 position;
+    vec3 right;  ///< length tan(xfov / 2)
+    vec3 up;  ///< length tan(yfov / 2)
+    vec3 forward;
+};
+
+/// Everything a kernel reads of the scene; one buffer, by address in FrameConstants.
+struct SceneTable {
+    Address positions;  ///< vec3 per vertex
+    Address attributes;  ///< VertexAttributes per vertex
+    Address indices;  ///< uvec3 per triangle
+    Address materialOfTriangle;  ///< uint per triangle
+    Address materials;  ///< Material
+    Address meshes;  ///< Mesh
+    Address instances;  ///< Instance
+    Address lights;  ///< Light
+    Address lightOfTriangle;  ///< uint, see Instance::lightMap
+    Address environmentCells;  ///< EnvironmentCell per texel, row by row; 0: constant
+    Address tlasNodes;  ///< software back end: BvhNode[]
+    Address tlasInstances;  ///< software back end: uint[], instance of each leaf slot
+    uint instanceCount;
+    uint lightCount;
+    uint environmentLight;  ///< index of the environment in lights; INVALID_INDEX: none
+    uint environmentTexture;  ///< index into the texture array; INVALID_INDEX: constant
+    uvec2 environmentSize;  ///< texels
+    vec3 environmentRadiance;  ///< constant radiance, or the texture's factor
+    float environmentRotation;  ///< radians about +y
+    vec3 center;  ///< of the bounding sphere
+    float radius;  ///< m
+};
+
+/// A two-child BVH node. child < 0: leaf, first = ~child, count in the count field. 64 bytes.
+struct BvhNode {
+    vec3 lower0;
+    int child0;
+    vec3 upper0;
+    uint count0;
+    vec3 lower1;
+    int child1;
+    vec3 upper1;
+    uint count1;
+};
+
+/// A triangle as traversal reads it (Moeller-Trumbore). 40 bytes.
+struct BvhTriangle {
+    vec3 vertex;
+    vec3 edge1;
+    vec3 edge2;
+    uint triangle;  ///< index within the mesh
+};
+
+/// A primary or secondary hit: enough to rebuild the surface. The payload type of the graph's "Surface" ports. 16 bytes.
+struct Hit {
+    uint instance;  ///< INVALID_INDEX: the ray escaped
+    uint triangle;  ///< within the mesh
+    vec2 barycentrics;  ///< weights of the second and third vertex
+};
+
+RESTIRPG_SHARED_END
+#endif
