@@ -1,0 +1,30 @@
+// The extensions every kernel uses and the frame it works on. Include it first, after #version.
+#ifndef RESTIRPG_PRELUDE_GLSL
+#define RESTIRPG_PRELUDE_GLSL
+
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_nonuniform_qualifier : require
+#extension GL_EXT_control_flow_attributes : require
+#extension GL_EXT_null_initializer : require
+
+#include "frame_types.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer FrameRef { FrameConstants c; };
+
+/// Set first thing in main: `frame = FrameRef(params.frame)`.
+FrameRef frame;
+
+#define SCENE frame.c.scene
+
+const float PI = 3.14159265358979;
+const float INV_PI = 0.31830988618379;
+
+/// Rec.709 luminance.
+float luminance(vec3 rgb)
+{
+    return dot(rgb, vec3(0.2126, 0.7152, 0.0722));
+}
+
+#endif
