@@ -1,0 +1,144 @@
+"""What is rendered: methods, jobs named by a hash of their content, and the folder that keeps finished jobs."""
+
+import hashlib
+import json
+import os
+import zipfile
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from harness import UserError
+
+EVERY_FRAME_UP_TO = 256  # longer runs are measured at a geometric sequence of frames ...
+LAST_FRAMES = 32  # ... and at this many last ones, one after the other, for the temporal statistics
+
+
+@dataclass(frozen=True)
+class Method:
+    """A graph file with its settings: one column of the comparison."""
+
+    label: str
+    graph: str  # file
+    knobs: tuple = ()  # ((name, value), ...); a name without a dot is set on every pass that has it
+    output: str = "image"
+    device: str | None = None
+    backend: str | None = None
+
+
+def parse_method(text):
+    """Read `GRAPH[@SETTING=VALUE,...]`; settings are knobs, or label, output, device and backend."""
+    graph, _, settings = text.partition("@")
+    if not Path(graph).is_file():
+        raise UserError(f"{graph}: no such graph file")
+    special, knobs = {}, []
+    for setting in filter(None, settings.split(",")):
+        name, equals, value = setting.partition("=")
+        if not equals or not name:
+            raise UserError(f"{text}: '{setting}' is not NAME=VALUE, as in {graph}@paths.bounces=4,label=short")
+        if name in ("label", "output", "device", "backend"):
+            special[name] = value
+        else:
+            knobs.append((name, knob_value(value)))
+    default = " ".join([Path(graph).stem, *(part for part in settings.split(",") if not part.startswith("label="))])
+    return Method(**{"label": default.strip(), **special}, graph=graph, knobs=tuple(knobs))
+
+
+def knob_value(text):
+    """The value of a knob written on a command line: a JSON number or boolean, else the text itself."""
+    try:
+        value = json.loads(text)
+    except json.JSONDecodeError:
+        return text
+    return value if isinstance(value, (bool, int, float)) else text
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run of one method on one scene with one seed: everything that its result depends on."""
+
+    scene: str  # file
+    scene_hash: str
+    graph: str  # file
+    description: str  # the graph as canonical JSON, places left out
+    size: tuple  # width, height
+    frames: int
+    seed: int
+    code: str  # hash of the renderer's own files
+    knobs: tuple = ()
+    bounces: int | None = None
+    output: str = "image"
+    device: str | None = None
+    backend: str | None = None
+    environment: str | None = None
+    camera: int = 0
+    reference: str | None = None  # key of the reference the errors are measured against; None: measure none
+    gain: float = 1.0  # the picture is scaled by it: the self-test's known error of energy
+    label: str = field(default="", compare=False)  # for messages
+
+    @property
+    def key(self):
+        """32 hexadecimal digits of the job's content; file names and labels are not part of it."""
+        content = {name: value for name, value in asdict(self).items() if name not in ("scene", "graph", "label")}
+        return digest(json.dumps(content, sort_keys=True).encode())
+
+    def frames_measured(self):
+        """The frame counts (1-based, ascending) after which the picture is read back."""
+        if self.reference is None:
+            return [self.frames]
+        if self.frames <= EVERY_FRAME_UP_TO:
+            return list(range(1, self.frames + 1))
+        spread = np.unique(np.geomspace(1, self.frames, 64).astype(int)).tolist()
+        return sorted({*spread, *range(self.frames - LAST_FRAMES + 1, self.frames + 1)})
+
+    def with_seed(self, *parts):
+        """The same job with the seed that belongs to `parts`."""
+        return replace(self, seed=seed_of(*parts))
+
+
+def seed_of(*parts):
+    """A 31-bit seed hashed from `parts`: consecutive seeds of some generators give shifted streams (ALGORITHMS O22)."""
+    return int(digest(json.dumps(parts).encode())[:8], 16) >> 1
+
+
+def digest(data):
+    """The first 32 hexadecimal digits of the SHA-256 of bytes."""
+    return hashlib.sha256(data).hexdigest()[:32]
+
+
+class Cache:
+    """Finished jobs, one .npz file each, named by the job's key. A file is there whole or not at all."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UserError(f"{folder}: cannot make the cache folder: {error.strerror}; choose one with --cache") from None
+
+    def path(self, key):
+        """Where the result `key` lies or will lie."""
+        return self.folder / f"{key}.npz"
+
+    def load(self, key):
+        """The result as a dictionary (arrays, and `meta` from JSON), or None when it is absent or damaged."""
+        try:
+            with np.load(self.path(key), allow_pickle=False) as file:
+                result = {name: file[name] for name in file.files}
+            result["meta"] = json.loads(str(result["meta"]))
+            return result
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+            return None  # damaged: rendered again
+
+    def store(self, key, result):
+        """Keep `result`: arrays and a JSON-able `meta`. Written under a temporary name, flushed, renamed."""
+        arrays = {**result, "meta": np.array(json.dumps(result["meta"]))}
+        temporary = self.folder / f".{key}.{os.getpid()}"
+        with open(temporary, "wb") as file:
+            np.savez(file, **arrays)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, self.path(key))

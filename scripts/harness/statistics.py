@@ -1,0 +1,147 @@
+"""Statistics of comparisons. Every test is two-sided; families of tests are corrected by Holm's method."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+LEVEL = 0.01  # of a whole family of tests: one false alarm in a hundred reports (ALGORITHMS O14)
+POWER = 0.8  # with which the "smallest detectable" difference would have been found
+
+
+@dataclass(frozen=True)
+class Test:
+    """A t-test of a difference: its estimate, standard error, degrees of freedom and p-value before correction."""
+
+    difference: float
+    se: float
+    dof: float
+    p: float
+
+    def interval(self, coverage=0.95):
+        """Half the width of the confidence interval."""
+        return float(stats.t.ppf(0.5 + coverage / 2, self.dof) * self.se) if self.dof > 0 else float("nan")
+
+    def smallest_detectable(self, tests=1):
+        """The difference found with probability POWER at LEVEL over `tests` tests (the first step of Holm)."""
+        if not self.dof > 0:
+            return float("nan")
+        return float((stats.t.ppf(1 - LEVEL / tests / 2, self.dof) + stats.t.ppf(POWER, self.dof)) * self.se)
+
+
+UNTESTED = Test(float("nan"), float("nan"), 0, float("nan"))
+
+
+def _t_test(difference, se, dof):
+    if not dof > 0 or not np.isfinite(difference) or not np.isfinite(se):
+        return Test(float(difference), float("nan"), 0, float("nan"))
+    if se == 0:  # no spread at all: runs with the same random numbers
+        return Test(float(difference), 0.0, float(dof), 1.0 if difference == 0 else 0.0)
+    return Test(float(difference), float(se), float(dof), float(2 * stats.t.sf(abs(difference) / se, dof)))
+
+
+def mean_se(values, axis=0):
+    """Mean and its standard error over independent runs; the error of a single run is NaN."""
+    values = np.asarray(values, float)
+    count = values.shape[axis]
+    se = values.std(axis=axis, ddof=1) / np.sqrt(count) if count > 1 else np.full_like(values.mean(axis=axis), np.nan)
+    return values.mean(axis=axis), se
+
+
+def paired(a, b):
+    """Test of mean(a - b) = 0 over pairs that shared a seed."""
+    difference, se = mean_se(np.asarray(a, float) - np.asarray(b, float))
+    return _t_test(difference, se, len(a) - 1)
+
+
+def welch(a, b):
+    """Test of mean(a) = mean(b) of independent samples of unequal variance; b may be one exact number."""
+    a = np.asarray(a, float)
+    b = np.atleast_1d(np.asarray(b, float))
+    if len(a) < 2:
+        return _t_test(a.mean() - b.mean(), np.nan, 0)
+    va, vb = a.var(ddof=1) / len(a), b.var(ddof=1) / len(b) if len(b) > 1 else 0.0
+    squares = va ** 2 / (len(a) - 1) + (vb ** 2 / (len(b) - 1) if len(b) > 1 else 0.0)
+    dof = (va + vb) ** 2 / squares if squares > 0 else len(a) - 1
+    return _t_test(a.mean() - b.mean(), np.sqrt(va + vb), dof)
+
+
+def welch_p_values(a, b):
+    """As welch, elementwise over trailing axes, p-values only; b of one row is exact."""
+    a, b = np.asarray(a, float), np.asarray(b, float)
+    va, na = a.var(axis=0, ddof=1) / len(a), len(a) - 1
+    vb, nb = (b.var(axis=0, ddof=1) / len(b), len(b) - 1) if len(b) > 1 else (np.zeros_like(va), 1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        dof = (va + vb) ** 2 / (va ** 2 / na + vb ** 2 / nb)
+        t = np.abs(a.mean(axis=0) - b.mean(axis=0)) / np.sqrt(va + vb)
+    p = 2 * stats.t.sf(t, np.nan_to_num(dof, nan=1))
+    return np.where(np.isnan(t), 1.0, p)  # no spread and no difference: a block that is black in every run
+
+
+def holm(p_values):
+    """Holm's adjusted p-values: family-wise error rate under any dependence. NaN (untested) is no part of the family."""
+    p = np.asarray(p_values, float)
+    adjusted = np.full(p.shape, np.nan)
+    tested = np.flatnonzero(~np.isnan(p))
+    order = tested[np.argsort(p[tested], kind="stable")]
+    steps = p[order] * np.arange(len(order), 0, -1)
+    adjusted[order] = np.minimum(1, np.maximum.accumulate(steps)) if len(order) else []
+    return adjusted
+
+
+def luminance(image):
+    """Rec. 709 luminance of linear (..., 3)."""
+    return np.asarray(image, float) @ np.array([0.2126, 0.7152, 0.0722])
+
+
+def block_means(images, size=8):
+    """Means of size x size blocks of (..., H, W); a rest at the right and the bottom is left out."""
+    images = np.asarray(images, float)
+    height, width = (n // size for n in images.shape[-2:])
+    if height == 0 or width == 0:
+        return images.mean(axis=(-2, -1), keepdims=True)
+    cut = images[..., :height * size, :width * size]
+    return cut.reshape(*cut.shape[:-2], height, size, width, size).mean(axis=(-3, -1))
+
+
+def block_correlation(images, size=8):
+    """Variance of block means over the variance they would have if pixels were independent (ALGORITHMS 10.4).
+
+    `images`: (runs, H, W) of independent runs. 1: independent pixels; size^2: each block moves as one. Returns the
+    ratio of the sums over all blocks, and its standard error by the jackknife over runs; NaN for fewer than 2 runs
+    (the error: 3).
+    """
+    images = np.asarray(images, float)
+    if len(images) < 2 or min(images.shape[-2:]) < size:
+        return float("nan"), float("nan")
+
+    def ratio(runs):
+        together = block_means(runs, size).var(axis=0, ddof=1).sum()
+        alone = block_means(runs.var(axis=0, ddof=1), size).sum() / size ** 2
+        return together / alone if alone > 0 else float("nan")
+
+    count = len(images)
+    if count < 3:
+        return float(ratio(images)), float("nan")
+    left_out = np.array([ratio(np.delete(images, run, axis=0)) for run in range(count)])
+    return float(ratio(images)), float(np.sqrt((count - 1) / count * np.sum((left_out - left_out.mean()) ** 2)))
+
+
+def temporal_correlation(sums, reference_variance):
+    """Autocorrelation at lag 1 from render.TemporalSums.sums; the reference's own variance (mean over pixels, of
+    luminance) is in both products and is subtracted."""
+    product, products, square, squares = sums
+    if not products or not squares:
+        return float("nan")
+    variance = square / squares - reference_variance
+    return float((product / products - reference_variance) / variance) if variance > 0 else float("nan")
+
+
+def at_time(times, values, time):
+    """A curve's value at `time`, linear in log(time) and log(value) between measured frames; NaN outside them."""
+    times, values = np.asarray(times, float), np.asarray(values, float)
+    if not times[0] <= time <= times[-1] * (1 + 1e-9):
+        return float("nan")
+    if np.any(values <= 0) or np.any(times <= 0):
+        return float(np.interp(time, times, values))
+    return float(np.exp(np.interp(np.log(time), np.log(times), np.log(values))))

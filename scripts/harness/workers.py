@@ -1,0 +1,127 @@
+"""Worker processes: a job that crashes, or is killed, takes its own worker with it and nothing else."""
+
+import faulthandler
+import multiprocessing
+import os
+import signal
+import sys
+import traceback
+from multiprocessing.connection import wait
+from pathlib import Path
+
+from harness import render
+from harness.jobs import Cache
+
+_context = multiprocessing.get_context("spawn")  # a fork would inherit the parent's threads and GPU state
+
+
+def _serve(connection, folder, log):
+    """A worker's whole life: take a task, answer with ticks and one result, until the pipe closes."""
+    with open(log, "ab", buffering=0) as file:  # the renderer's own messages must not spoil the progress display
+        os.dup2(file.fileno(), 1)
+        os.dup2(file.fileno(), 2)
+    faulthandler.enable()
+    render.find_package()
+    cache = Cache(folder)
+    try:
+        while True:
+            kind, job = connection.recv()
+            try:
+                if kind == "probe":
+                    connection.send(("done", render.probe(job)))
+                    continue
+                reference = cache.load(job.reference) if job.reference else None
+                result = render.run(job, reference, lambda frames: connection.send(("tick", frames)))
+                result["meta"]["job"] = {"label": job.label, "scene": job.scene, "graph": job.graph, "seed": job.seed,
+                                         "size": list(job.size), "frames": job.frames}
+                cache.store(job.key, result)
+                connection.send(("done", None))
+            except (BrokenPipeError, EOFError):
+                raise
+            except Exception as error:
+                traceback.print_exc()
+                connection.send(("failed", " ".join(str(error).split()) or type(error).__name__))
+    except (BrokenPipeError, EOFError, OSError):
+        sys.exit(0)  # the harness has gone
+
+
+class _Worker:
+    def __init__(self, folder, number):
+        self.log = Path(folder) / f"worker-{number}.log"
+        self.log.unlink(missing_ok=True)
+        self.job = None
+        self.connection, theirs = _context.Pipe()
+        self.process = _context.Process(target=_serve, args=(theirs, str(folder), str(self.log)), daemon=True)
+        # Ctrl-C reaches the whole process group: the parent alone decides what ends, so the worker never sees it.
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        self.process.start()
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        theirs.close()
+
+    def cause_of_death(self):
+        """One line for the user, after the pipe closed."""
+        self.process.join(5)
+        code = self.process.exitcode
+        if code is not None and code < 0:
+            ended = f"ended by {signal.Signals(-code).name}"
+        else:
+            ended = f"ended with exit code {code}"
+        lines = [line for line in self.log.read_text(errors="replace").splitlines() if line.strip()]
+        return f"the worker {ended}; the last line of {self.log.name}: {lines[-1] if lines else 'none'}"
+
+    def stop(self):
+        """End the process at once."""
+        self.connection.close()
+        self.process.terminate()
+        self.process.join(5)
+        if self.process.is_alive():
+            self.process.kill()
+
+
+class Pool:
+    """Up to `count` workers, started when first needed and kept between calls of `run`."""
+
+    def __init__(self, folder, count):
+        self._folder = folder
+        self._idle = []
+        self._count = count
+        self._started = 0
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        for worker in self._idle:
+            worker.stop()
+        self._idle = []
+
+    def run(self, jobs, kind="run", on_tick=lambda job, frames: None):
+        """Run the jobs in order; yields (job, failure, answer) as they end: failure is a line of text or None."""
+        waiting, busy = list(jobs), {}
+        try:
+            while waiting or busy:
+                while waiting and len(busy) < self._count:
+                    worker = self._idle.pop() if self._idle else self._start()
+                    worker.job = waiting.pop(0)
+                    busy[worker.connection] = worker
+                    worker.connection.send((kind, worker.job))
+                for connection in wait(list(busy)):
+                    worker = busy[connection]
+                    try:
+                        event, answer = connection.recv()
+                    except (EOFError, ConnectionResetError):
+                        del busy[connection]
+                        yield worker.job, worker.cause_of_death(), None
+                        continue
+                    if event == "tick":
+                        on_tick(worker.job, answer)
+                        continue
+                    self._idle.append(busy.pop(connection))
+                    yield worker.job, answer if event == "failed" else None, answer
+        finally:
+            for worker in busy.values():
+                worker.stop()
+
+    def _start(self):
+        self._started += 1
+        return _Worker(self._folder, self._started)

@@ -1,0 +1,173 @@
+# Sourced by scripts/run and scripts/test: puts a machine in a state to build and run, then builds.
+#   install_packages [tests]    what scripts/packages.txt lists; needs no network when all of it is there
+#   build TARGET...             configure once, then ninja, into build/
+# RESTIRPG_SKIP_SETUP=1 leaves the machine's packages alone. Errors: one line, exit code 2.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+build=$root/build
+python=/usr/bin/python3  # the distribution's own: its packages do not belong to another python3 that comes first on PATH
+apt_folder=${RESTIRPG_APT_FOLDER:-/etc/apt}  # the tests point it at samples
+least_mesa=25  # lavapipe 22 of Debian 12 lacks ray query and shader features that the kernels use
+
+stop()
+{
+    echo "setup: $*" >&2
+    exit 2
+}
+
+# The names listed in packages.txt; without the argument "tests", those before the line "# tests only".
+package_names()
+{
+    awk -v role="${1:-}" '/^# tests only/ && role != "tests" {exit} /^[^#]/ {print $1}' "$root/scripts/packages.txt"
+}
+
+# Of the names on standard input, those not installed. One query for all: a start with nothing to do stays fast.
+not_installed()
+{
+    local names
+    names=$(cat)
+    # shellcheck disable=SC2086  # one name a word
+    dpkg-query -W -f '${Package} ${db:Status-Status}\n' $names 2>/dev/null | awk '$2 == "installed" {print $1}' |
+        sort | comm -13 - <(sort <<<"$names")
+}
+
+mesa_is_old()
+{
+    local version
+    version=$(dpkg-query -W -f '${Version}' mesa-vulkan-drivers 2>/dev/null) || return 0
+    dpkg --compare-versions "$version" lt "$least_mesa"
+}
+
+# The machine's own apt entry of suite $1, as one for $1-backports: mirror, keyring and options carry over.
+# Prints the file's extension (sources or list) on the first line, then its text; nothing when there is no such entry.
+backports_entry()
+{
+    local suite=$1 entry
+    entry=$(cat "$apt_folder"/sources.list.d/*.sources 2>/dev/null | grep -v '^#' | awk -v suite="$suite" '
+        BEGIN {RS = ""}
+        /(^|\n)Types:[^\n]*deb( |\n|$)/ && $0 ~ "(^|\n)Suites:([^\n]* )?" suite "( |\n|$)" && !/(^|\n)Enabled: *no/ {
+            sub(/(^|\n)Types:[^\n]*/, "\nTypes: deb")
+            sub(/\nSuites:[^\n]*/, "\nSuites: " suite "-backports")
+            sub(/\nComponents:[^\n]*/, "\nComponents: main")
+            sub(/^\n/, "")
+            print
+            exit
+        }') || true
+    if [[ -n $entry ]]; then
+        printf 'sources\n%s\n' "$entry"
+        return
+    fi
+    entry=$(cat "$apt_folder"/sources.list "$apt_folder"/sources.list.d/*.list 2>/dev/null | grep -v 'cdrom:' |
+        sed -nE "s/^deb[[:space:]]+(\[[^]]*\][[:space:]]+)?([^[:space:]]+)[[:space:]]+$suite[[:space:]].*/deb \1\2 $suite-backports main/p" |
+        head -n 1) || true
+    [[ -z $entry ]] || printf 'list\n%s\n' "$entry"
+}
+
+# Run as root, quietly: what it said is shown only when it failed.
+as_root()
+{
+    local log sudo=()
+    if [[ $(id -u) != 0 ]]; then
+        command -v sudo >/dev/null || stop "needs root to run: $*"
+        sudo=(sudo)
+    fi
+    log=$(mktemp)
+    if ! "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive "$@" >"$log" 2>&1 </dev/null; then
+        tail -n 20 "$log" >&2
+        rm -f "$log"
+        stop "failed: $*"
+    fi
+    rm -f "$log"
+}
+
+apt_install()
+{
+    as_root apt-get -q -y -o DPkg::Lock::Timeout=300 install --no-install-recommends "$@"
+}
+
+add_backports()
+{
+    local suite=$1 entry file
+    entry=$(backports_entry "$suite")
+    [[ -n $entry ]] || stop "no apt entry of suite $suite to take a mirror from; add the suite $suite-backports and start again"
+    file=$apt_folder/sources.list.d/restirpg-backports.${entry%%$'\n'*}
+    as_root sh -c "printf '%s\n' \"\$1\" > \"\$2\"" sh "${entry#*$'\n'}" "$file"
+}
+
+install_debian()
+{
+    local role=$1 suite=$2 missing backports=() unknown
+    missing=$(package_names "$role" | not_installed)
+    if mesa_is_old; then
+        missing=$(printf '%s\nmesa-vulkan-drivers\n' "$missing" | sort -u | sed '/^$/d')
+        [[ $suite != bookworm ]] || backports=(-t bookworm-backports)
+    fi
+    [[ -n $missing ]] || return 0
+    echo "setup: installing $(tr '\n' ' ' <<<"$missing")" >&2
+    [[ -z ${backports[*]} ]] || add_backports "$suite"
+    as_root apt-get -q -o DPkg::Lock::Timeout=300 update
+    # shellcheck disable=SC2086
+    unknown=$(comm -13 <(apt-cache --no-all-versions show $missing 2>/dev/null | sed -n 's/^Package: //p' | sort -u) <(sort <<<"$missing"))
+    [[ -z $unknown ]] || stop "this system's package archive lacks:" $unknown
+    # The driver alone comes from backports; everything else is the release's own.
+    # shellcheck disable=SC2046
+    apt_install $(grep -vx mesa-vulkan-drivers <<<"$missing" || true)
+    if grep -qx mesa-vulkan-drivers <<<"$missing"; then
+        apt_install "${backports[@]}" mesa-vulkan-drivers
+        ! mesa_is_old || stop "mesa-vulkan-drivers $least_mesa or newer is needed, the archive has only an older one"
+    fi
+}
+
+# On other systems: name what the probes of packages.txt do not find.
+probe()
+{
+    local kind=$1 what=$2 prefix
+    case $kind in
+        command) command -v "$what" >/dev/null ;;
+        module) "$python" -c "import $what" 2>/dev/null ;;
+        header | file)
+            for prefix in /usr /usr/local; do
+                [[ $kind == file ]] || prefix=$prefix/include
+                # shellcheck disable=SC2086  # the pattern is meant
+                compgen -G "$prefix/$what" >/dev/null && return 0
+            done
+            return 1 ;;
+    esac
+}
+
+check_elsewhere()
+{
+    local names name kind what missing=()
+    names=" $(package_names "$1" | tr '\n' ' ')"
+    while read -r name kind what; do
+        [[ $names != *" $name "* ]] || probe "$kind" "$what" || missing+=("$name")
+    done < <(grep -v '^#' "$root/scripts/packages.txt")
+    [[ ${#missing[@]} == 0 ]] ||
+        stop "not Debian or Ubuntu: install what these Debian packages hold, then start again: ${missing[*]}"
+}
+
+install_packages()
+{
+    [[ ${RESTIRPG_SKIP_SETUP:-0} == 0 ]] || return 0
+    local system
+    system=$(. /etc/os-release 2>/dev/null && echo "${ID:-} ${ID_LIKE:-} ${VERSION_CODENAME:-}") || true
+    if [[ " $system " == *" debian "* ]] && command -v apt-get >/dev/null; then
+        install_debian "${1:-}" "${system##* }"
+    else
+        check_elsewhere "${1:-}"
+    fi
+}
+
+build()
+{
+    [[ -f $build/build.ninja ]] ||
+        cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPython3_EXECUTABLE="$python" >&2 ||
+        stop "cmake could not configure $build; its message is above"
+    ninja -C "$build" "$@" >&2 || stop "the build failed; its message is above"
+}
+
+# lavapipe compiles a kernel for a second at its first dispatch: keep what it compiled with the build.
+export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-$build/cache/mesa}
+mkdir -p "$MESA_SHADER_CACHE_DIR"
+export PYTHONPATH=$build/python${PYTHONPATH:+:$PYTHONPATH}
