@@ -1,6 +1,7 @@
 // The base class of every pass, and the entry points of a plugin.
 #pragma once
 
+#include "core/paths.h"
 #include "graph/interface.h"
 
 #include <memory>
@@ -9,7 +10,7 @@
 namespace restirpg {
 
 class Device;  // gpu/device.h
-class Frame;  // graph/executor.h
+class Frame;  // render/frame.h
 
 /// Changes whenever a struct or a virtual function that plugins see changes. Checked when a plugin is loaded.
 constexpr uint32_t PLUGIN_ABI = 1;
@@ -36,6 +37,16 @@ struct PluginEntry {
     const char* meaning;
     std::unique_ptr<Pass> (*create)();
 };
+
+#ifdef RESTIRPG_PASS_FOLDER  // set by restirpg_add_pass
+/// A file of this pass, such as its kernel "GBuffer.comp": in the source tree, or where the pass was installed. Static, so that
+/// each plugin has its own.
+[[maybe_unused]] static std::filesystem::path passFile(const char* name)
+{
+    static const char here = 0;
+    return pluginFolder(&here, RESTIRPG_PASS_FOLDER) / name;
+}
+#endif
 
 }  // namespace restirpg
 

@@ -17,7 +17,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Hit
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FloatImage { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Vec3Image { vec3 at[]; };
 
-layout(set = 0, binding = 0) uniform sampler2D textures[];
+layout(set = 0, binding = 1) uniform sampler2D textures[];
 
 /// Textures are always read at mip 0: a replayed path must see the texels that the first trace saw.
 vec4 fetch_texture(TextureRef map, vec2 uv0, vec2 uv1)

@@ -1,0 +1,26 @@
+// GLSL to SPIR-V, in process, with a cache on disk.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace restirpg {
+
+/// Preprocessor definitions of a kernel: name to value.
+using Defines = std::map<std::string, std::string>;
+
+/// Compile a compute shader. `#include "x"` looks beside the including file, then in shaderFolder(). Errors are one Error
+/// holding glslang's messages (FILE:LINE: ...). The result is kept in cacheFolder()/spirv under the hash of the preprocessed
+/// text, so an edit of any included file is seen.
+std::vector<uint32_t> compileShader(const std::filesystem::path& file, const Defines& defines = {});
+
+/// Local size of a compute shader, from its LocalSize execution mode.
+struct LocalSize {
+    uint32_t x = 1, y = 1, z = 1;
+};
+LocalSize localSize(const std::vector<uint32_t>& spirv);
+
+}  // namespace restirpg

@@ -1,0 +1,96 @@
+// A scene, a graph and a device, rendering frame by frame. The command line, Python and the benchmarks all go through it.
+#pragma once
+
+#include "gpu/device.h"
+#include "graph/graph.h"
+#include "image/image.h"
+#include "render/scene_gpu.h"
+#include "scene/scene.h"
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace restirpg {
+
+struct RendererOptions {
+    uint32_t width = 640;
+    uint32_t height = 360;
+    uint32_t seed = 0;
+    float time = 0;  ///< s, of the first frame
+    float framesPerSecond = 0;  ///< 0: the scene stands still
+    DeviceOptions device;
+};
+
+/// Where the camera stands, for users. `target` is a point looked at.
+struct CameraPose {
+    glm::vec3 position;
+    glm::vec3 target;
+    glm::vec3 up;
+    float yfov;  ///< radians
+};
+
+class Executor;
+
+class Renderer {
+public:
+    /// Throws Error for a device, a scene or a pass that cannot be used.
+    Renderer(std::shared_ptr<const Scene> scene, std::unique_ptr<Graph> graph, const RendererOptions& options);
+    ~Renderer();
+
+    /// Render n more frames. Frame f of a run is rendered at time + f / framesPerSecond.
+    void render(uint32_t frames = 1);
+    uint32_t frame() const;  ///< frames rendered since the last cut
+
+    /// An output of the graph as a float image. Throws Error when there is no such output, when it is no image, or before the first frame.
+    Image output(const std::string& name);
+    std::vector<std::string> outputNames() const;
+    /// The raw bytes of a port "pass.output" that somebody reads, as the last frame left it. For tests and tools.
+    std::vector<uint8_t> readPort(const std::string& port);
+
+    nlohmann::json knobs() const;  ///< {"pass": {"knob": value}}
+    nlohmann::json knob(const std::string& path) const;  ///< "pass.knob"
+    void setKnob(const std::string& path, const nlohmann::json& value);
+    uint32_t setKnobEverywhere(const std::string& name, const nlohmann::json& value);
+
+    CameraPose camera() const;
+    void moveCamera(const CameraPose& pose);
+    /// Give the node a local matrix (relative to its parent), from the next frame on. Throws Error when no node has that name.
+    void moveNode(const std::string& name, const glm::mat4& local);
+    void setTime(float seconds);
+    /// Forget all history: the next frame is a first frame.
+    void cut();
+
+    /// Milliseconds a pass, measured by the device's timestamps: of the last frame; summed since the last cut.
+    const std::map<std::string, double>& gpuTimes() const;
+    const std::map<std::string, double>& totalGpuTimes() const;
+    /// Bytes: "scene", and each "pass.output".
+    std::map<std::string, uint64_t> memory() const;
+
+    const Scene& scene() const { return *scene_; }
+    const Graph& graph() const;
+    Device& device() { return *device_; }
+    const RendererOptions& options() const { return options_; }
+
+    /// What an EXR header carries: graph JSON, knobs, seed, frames, size, scene file and hash, device, driver, back end, commit.
+    std::map<std::string, std::string> provenance() const;
+    /// Write the graph's outputs as one EXR: the first plain, the others as layers. Only image outputs; throws Error when `only` is not one.
+    void save(const std::filesystem::path& file, PixelType type = PixelType::full, const std::string& only = "");
+
+private:
+    void updateScene();
+    FrameConstants constants() const;
+
+    RendererOptions options_;
+    std::shared_ptr<const Scene> scene_;
+    std::unique_ptr<Device> device_;
+    std::unique_ptr<SceneGpu> sceneGpu_;
+    std::unique_ptr<Executor> executor_;
+    std::vector<std::optional<glm::mat4>> overrides_;
+    std::optional<CameraPose> cameraOverride_;
+    std::optional<Camera> previousCamera_;
+    float time_ = 0;
+};
+
+}  // namespace restirpg
