@@ -1,0 +1,196 @@
+// Next event estimation: select a light by power, take a point of it. Every pdf includes the selection's probability.
+#ifndef RESTIRPG_LIGHTS_GLSL
+#define RESTIRPG_LIGHTS_GLSL
+
+#include "environment.glsl"
+#include "random.glsl"
+
+/// Distance to what is infinitely far away.
+const float INFINITE_DISTANCE = 1e30;
+
+/// A light as seen from a point x. Direct light is f |cos| radiance / pdf when nothing lies between.
+struct LightSample {
+    vec3 wi;  ///< unit, from x towards the light
+    float distance;  ///< m; INFINITE_DISTANCE for directional lights and the environment
+    vec3 radiance;  ///< W/sr/m^2; of a delta light: irradiance on a surface facing it, W/m^2
+    float pdf;  ///< 1/sr, selection included; of a delta light: the probability of selecting it. 0: no sample
+    uint light;  ///< index into the light table
+    bool delta;  ///< punctual: scattering can never find it
+    vec3 position;  ///< of the point on the light, world space; not set where distance is infinite
+    vec3 normal;  ///< geometric, on the front side; -wi for lights without a surface
+};
+
+/// A triangle in world space. `cross_product` is twice the area long and points to the front.
+struct WorldTriangle {
+    vec3 p0;
+    vec3 edge1;
+    vec3 edge2;
+    vec3 cross_product;
+};
+
+WorldTriangle world_triangle(uint instance, uint triangle)
+{
+    Instance placed = InstanceArray(SCENE.instances).at[instance];
+    Mesh mesh = MeshArray(SCENE.meshes).at[placed.mesh];
+    uvec3 index = Uvec3Array(SCENE.indices).at[mesh.firstTriangle + triangle] + mesh.firstVertex;
+    Vec3Array positions = Vec3Array(SCENE.positions);
+    vec3 p0 = positions.at[index.x];
+    vec3 p1 = positions.at[index.y];
+    vec3 p2 = positions.at[index.z];
+    WorldTriangle t;
+    t.p0 = placed.objectToWorld * vec4(p0, 1.0);
+    // Edges in object space first: a small triangle far from the origin keeps its shape.
+    t.edge1 = placed.objectToWorld * vec4(p1 - p0, 0.0);
+    t.edge2 = placed.objectToWorld * vec4(p2 - p0, 0.0);
+    t.cross_product = cross(t.edge1, t.edge2) * (placed.flipped != 0u ? -1.0 : 1.0);
+    return t;
+}
+
+/// Radiance that a triangle emits at a point of it, W/sr/m^2. `front`: seen from the side its winding faces.
+vec3 triangle_emission(uint instance, uint triangle, vec2 barycentrics, bool front)
+{
+    Mesh mesh = MeshArray(SCENE.meshes).at[InstanceArray(SCENE.instances).at[instance].mesh];
+    Material material = MaterialArray(SCENE.materials).at[UintArray(SCENE.materialOfTriangle).at[mesh.firstTriangle + triangle]];
+    if ((material.flags & MATERIAL_EMISSIVE) == 0u || (!front && (material.flags & MATERIAL_DOUBLE_SIDED) == 0u))
+        return vec3(0.0);
+    bool masked = (material.flags & MATERIAL_ALPHA_MASK) != 0u;
+    if (!masked && material.emissiveMap.index == INVALID_INDEX)
+        return material.emission;
+
+    uvec3 index = Uvec3Array(SCENE.indices).at[mesh.firstTriangle + triangle] + mesh.firstVertex;
+    vec3 weight = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
+    AttributesArray attributes = AttributesArray(SCENE.attributes);
+    vec2 uv0 = mat3x2(attributes.at[index.x].uv0, attributes.at[index.y].uv0, attributes.at[index.z].uv0) * weight;
+    vec2 uv1 = mat3x2(attributes.at[index.x].uv1, attributes.at[index.y].uv1, attributes.at[index.z].uv1) * weight;
+    float alpha = material.alpha;
+    if (material.baseColorMap.index != INVALID_INDEX)
+        alpha *= fetch_texture(material.baseColorMap, uv0, uv1).a;
+    if (masked && alpha < material.alphaCutoff)
+        return vec3(0.0);
+    if (material.emissiveMap.index == INVALID_INDEX)
+        return material.emission;
+    return material.emission * fetch_texture(material.emissiveMap, uv0, uv1).rgb;
+}
+
+/// Probability that sample_light selects this triangle; 0 when it is no light.
+float triangle_light_pmf(uint instance, uint triangle)
+{
+    uint base = InstanceArray(SCENE.instances).at[instance].lightMap;
+    if (base == INVALID_INDEX)
+        return 0.0;
+    uint light = UintArray(SCENE.lightOfTriangle).at[base + triangle];
+    return light == INVALID_INDEX ? 0.0 : LightArray(SCENE.lights).at[light].pmf;
+}
+
+/// Uniform density over a triangle's area as seen from x at its point y, 1/sr: d^2 / (A |cos|).
+float triangle_solid_angle_pdf(WorldTriangle t, vec3 x, vec3 y)
+{
+    vec3 d = y - x;
+    float distance2 = dot(d, d);
+    float facing = abs(dot(t.cross_product, d));
+    return facing > 0.0 ? 2.0 * distance2 * sqrt(distance2) / facing : 0.0;
+}
+
+/// Density with which sample_light from x takes the point y of a triangle that scattering has hit, 1/sr. For MIS.
+float light_pdf_triangle(uint instance, uint triangle, vec3 x, vec3 y)
+{
+    float pmf = triangle_light_pmf(instance, triangle);
+    return pmf > 0.0 ? pmf * triangle_solid_angle_pdf(world_triangle(instance, triangle), x, y) : 0.0;
+}
+
+/// Density with which sample_light takes the environment in direction wi, 1/sr. For MIS.
+float light_pdf_environment(vec3 wi)
+{
+    if (SCENE.environmentLight == INVALID_INDEX)
+        return 0.0;
+    return LightArray(SCENE.lights).at[SCENE.environmentLight].pmf * pdf_environment(wi);
+}
+
+/// KHR_lights_punctual: smooth fall-off between the cones, squared; 1 for a light that is no spot.
+float spot_attenuation(Light light, vec3 wi)
+{
+    if (light.type != LIGHT_SPOT)
+        return 1.0;
+    float scale = 1.0 / max(light.cosInner - light.cosOuter, 1e-3);
+    float fall_off = clamp((dot(light.direction, -wi) - light.cosOuter) * scale, 0.0, 1.0);
+    return fall_off * fall_off;
+}
+
+LightSample no_light_sample(uint light)
+{
+    return LightSample(vec3(0.0, 0.0, 1.0), 0.0, vec3(0.0), 0.0, light, false, vec3(0.0), vec3(0.0, 0.0, -1.0));
+}
+
+/// The given point of a triangle light, seen from x.
+LightSample connect_triangle_light(uint index, Light light, vec2 barycentrics, vec3 x)
+{
+    LightSample s = no_light_sample(index);
+    WorldTriangle t = world_triangle(light.instance, light.triangle);
+    s.position = t.p0 + barycentrics.x * t.edge1 + barycentrics.y * t.edge2;
+    vec3 d = s.position - x;
+    s.distance = length(d);
+    if (s.distance <= 0.0)
+        return s;
+    s.wi = d / s.distance;
+    s.normal = normalize(t.cross_product);
+    s.radiance = triangle_emission(light.instance, light.triangle, barycentrics, dot(s.normal, s.wi) < 0.0);
+    s.pdf = light.pmf * triangle_solid_angle_pdf(t, x, s.position);
+    return s;
+}
+
+/// A punctual light seen from x.
+LightSample connect_punctual_light(uint index, Light light, vec3 x)
+{
+    LightSample s = no_light_sample(index);
+    s.delta = true;
+    s.pdf = light.pmf;
+    s.distance = INFINITE_DISTANCE;
+    s.wi = -light.direction;
+    s.radiance = light.intensity;
+    if (light.type != LIGHT_DIRECTIONAL) {
+        s.position = light.position;
+        vec3 d = light.position - x;
+        float distance2 = dot(d, d);
+        if (distance2 <= 0.0)
+            return no_light_sample(index);
+        s.distance = sqrt(distance2);
+        s.wi = d / s.distance;
+        s.radiance *= spot_attenuation(light, s.wi) / distance2;
+    }
+    s.normal = -s.wi;
+    return s;
+}
+
+/// The environment in direction wi.
+LightSample connect_environment(vec3 wi)
+{
+    return LightSample(wi, INFINITE_DISTANCE, environment_radiance(wi), light_pdf_environment(wi), SCENE.environmentLight, false,
+                       vec3(0.0), -wi);
+}
+
+/// The light that two random numbers select, by the power-weighted alias table; INVALID_INDEX: the scene has none.
+uint select_light(vec2 u)
+{
+    if (SCENE.lightCount == 0u)
+        return INVALID_INDEX;
+    AliasDraw draw = draw_alias(SCENE.lightCount, u);
+    Light column = LightArray(SCENE.lights).at[draw.column];
+    return draw.fraction < column.aliasThreshold ? draw.column : column.alias;
+}
+
+/// One sample of the direct light at x, visibility not tested. u: xy select the light, zw the point on it.
+LightSample sample_light(vec3 x, vec4 u)
+{
+    uint index = select_light(u.xy);
+    if (index == INVALID_INDEX)
+        return no_light_sample(index);
+    Light light = LightArray(SCENE.lights).at[index];
+    if (light.type == LIGHT_TRIANGLE)
+        return connect_triangle_light(index, light, sample_triangle(u.zw), x);
+    if (light.type != LIGHT_ENVIRONMENT)
+        return connect_punctual_light(index, light, x);
+    // The environment needs four fresh numbers (texel, place in it): those of u, hashed.
+    return connect_environment(sample_environment(unit_floats(pcg4d(floatBitsToUint(u)))));
+}
+
+#endif

@@ -1,0 +1,69 @@
+// Random numbers by address: every number is a pure function of (pixel, frame, seed, bounce, dimension), so that a path can
+// be replayed from its key and no branch can shift the numbers of a later decision (ALGORITHMS 5.7).
+#ifndef RESTIRPG_RANDOM_GLSL
+#define RESTIRPG_RANDOM_GLSL
+
+// Dimensions of a bounce. Each address holds four independent numbers.
+const uint RANDOM_LABEL = 0u;       ///< x: which label (BSDF lobe class) the bounce takes
+const uint RANDOM_TECHNIQUE = 1u;   ///< x: BSDF or guide
+const uint RANDOM_GUIDE_LOBE = 2u;  ///< x: component of the guide's mixture
+const uint RANDOM_DIRECTION = 3u;   ///< xy: direction; z: lobe within a label
+const uint RANDOM_LIGHT = 5u;       ///< xyzw: sample_light
+const uint RANDOM_ROULETTE = 9u;    ///< x
+const uint RANDOM_PIXEL = 10u;      ///< xy: position inside the pixel (bounce 0)
+const uint RANDOM_DIMENSIONS = 16u;
+
+/// XORed into the seed of numbers that decide which sample a reservoir keeps: they must not be those of the samples themselves.
+const uint RANDOM_STREAM_RESAMPLING = 0x9e3779b9u;
+
+struct RandomKey {
+    uint pixel;
+    uint frame;
+    uint seed;
+};
+
+/// The key of a pixel's numbers. Pixel coordinates below 65536.
+RandomKey random_key(uvec2 pixel, uint frame_index, uint seed)
+{
+    return RandomKey(pixel.x | (pixel.y << 16), frame_index, seed);
+}
+
+/// Jarzynski & Olano 2020, "Hash Functions for GPU Rendering": a 4D -> 4D hash, all output bits usable.
+uvec4 pcg4d(uvec4 v)
+{
+    v = v * 1664525u + 1013904223u;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    v ^= v >> 16u;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    return v;
+}
+
+/// The upper 24 bits as floats in [0, 1): every value is exact, 1 is never reached.
+vec4 unit_floats(uvec4 bits)
+{
+    return vec4(bits >> 8u) * (1.0 / 16777216.0);
+}
+
+/// The four numbers at an address, in [0, 1).
+vec4 random4(RandomKey key, uint bounce, uint dimension)
+{
+    return unit_floats(pcg4d(uvec4(key.pixel, key.frame, key.seed, bounce * RANDOM_DIMENSIONS + dimension)));
+}
+
+float random1(RandomKey key, uint bounce, uint dimension)
+{
+    return random4(key, bounce, dimension).x;
+}
+
+vec2 random2(RandomKey key, uint bounce, uint dimension)
+{
+    return random4(key, bounce, dimension).xy;
+}
+
+#endif
