@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # Sourced by scripts/run and scripts/test: puts a machine in a state to build and run, then builds.
 #   install_packages [tests]    what scripts/packages.txt lists; needs no network when all of it is there
 #   build TARGET...             configure once, then ninja, into build/
@@ -5,7 +6,7 @@
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-build=$root/build
+build_folder=$root/build
 python=/usr/bin/python3  # the distribution's own: its packages do not belong to another python3 that comes first on PATH
 apt_folder=${RESTIRPG_APT_FOLDER:-/etc/apt}  # the tests point it at samples
 least_mesa=25  # lavapipe 22 of Debian 12 lacks ray query and shader features that the kernels use
@@ -59,7 +60,7 @@ backports_entry()
         return
     fi
     entry=$(cat "$apt_folder"/sources.list "$apt_folder"/sources.list.d/*.list 2>/dev/null | grep -v 'cdrom:' |
-        sed -nE "s/^deb[[:space:]]+(\[[^]]*\][[:space:]]+)?([^[:space:]]+)[[:space:]]+$suite[[:space:]].*/deb \1\2 $suite-backports main/p" |
+        sed -nE "s/^deb[[:space:]]+(\[[^]]*\][[:space:]]+)?([^[:space:]]+)[[:space:]]+${suite}[[:space:]].*/deb \1\2 $suite-backports main/p" |
         head -n 1) || true
     [[ -z $entry ]] || printf 'list\n%s\n' "$entry"
 }
@@ -109,7 +110,7 @@ install_debian()
     as_root apt-get -q -o DPkg::Lock::Timeout=300 update
     # shellcheck disable=SC2086
     unknown=$(comm -13 <(apt-cache --no-all-versions show $missing 2>/dev/null | sed -n 's/^Package: //p' | sort -u) <(sort <<<"$missing"))
-    [[ -z $unknown ]] || stop "this system's package archive lacks:" $unknown
+    [[ -z $unknown ]] || stop "this system's package archive lacks: ${unknown//$'\n'/ }"
     # The driver alone comes from backports; everything else is the release's own.
     # shellcheck disable=SC2046
     apt_install $(grep -vx mesa-vulkan-drivers <<<"$missing" || true)
@@ -161,13 +162,13 @@ install_packages()
 
 build()
 {
-    [[ -f $build/build.ninja ]] ||
-        cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPython3_EXECUTABLE="$python" >&2 ||
-        stop "cmake could not configure $build; its message is above"
-    ninja -C "$build" "$@" >&2 || stop "the build failed; its message is above"
+    mkdir -p "$MESA_SHADER_CACHE_DIR"
+    [[ -f $build_folder/build.ninja ]] ||
+        cmake -S "$root" -B "$build_folder" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPython3_EXECUTABLE="$python" >&2 ||
+        stop "cmake could not configure $build_folder; its message is above"
+    ninja -C "$build_folder" "$@" >&2 || stop "the build failed; its message is above"
 }
 
 # lavapipe compiles a kernel for a second at its first dispatch: keep what it compiled with the build.
-export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-$build/cache/mesa}
-mkdir -p "$MESA_SHADER_CACHE_DIR"
-export PYTHONPATH=$build/python${PYTHONPATH:+:$PYTHONPATH}
+export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-$build_folder/cache/mesa}
+export PYTHONPATH=$build_folder/python${PYTHONPATH:+:$PYTHONPATH}

@@ -48,6 +48,22 @@ fs::path pythonFolder()
     return fs::path(RESTIRPG_SOURCE_FRAMEWORK) / "python";
 }
 
+fs::path displayConfig()
+{
+    if (const auto share = shareFolder(); !share.empty())
+        return share / "default.ocio";
+    return fs::path(RESTIRPG_SOURCE_FRAMEWORK) / "image/default.ocio";
+}
+
+fs::path pluginFolder(const void* inside, const fs::path& source)
+{
+    Dl_info info;
+    if (!dladdr(inside, &info) || !info.dli_fname)
+        return source;
+    const fs::path installed = fs::weakly_canonical(info.dli_fname).replace_extension();
+    return fs::exists(installed) ? installed : source;
+}
+
 fs::path pythonInterpreter()
 {
     const auto given = environment("RESTIRPG_PYTHON");

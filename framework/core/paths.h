@@ -14,6 +14,13 @@ std::filesystem::path shaderFolder();
 /// The pure-Python package's parent folder: what PYTHONPATH needs.
 std::filesystem::path pythonFolder();
 
+/// The OpenColorIO config of the display transforms.
+std::filesystem::path displayConfig();
+
+/// Where a plugin keeps its kernels: the folder of the library's name beside the library (that is how `cmake --install` lays them
+/// out) if there is one, else `source`. `inside` is the address of anything in the plugin. Passes call passFile of graph/pass.h.
+std::filesystem::path pluginFolder(const void* inside, const std::filesystem::path& source);
+
 /// The interpreter that evaluates graph files: RESTIRPG_PYTHON if set, else the one found at configure time.
 std::filesystem::path pythonInterpreter();
 
