@@ -29,8 +29,8 @@ not_installed()
     local names
     names=$(cat)
     # shellcheck disable=SC2086  # one name a word
-    dpkg-query -W -f '${Package} ${db:Status-Status}\n' $names 2>/dev/null | awk '$2 == "installed" {print $1}' |
-        sort | comm -13 - <(sort <<<"$names")
+    { dpkg-query -W -f '${Package} ${db:Status-Status}\n' $names 2>/dev/null || true; } |
+        awk '$2 == "installed" {print $1}' | sort -u | comm -13 - <(sort <<<"$names")
 }
 
 mesa_is_old()
@@ -109,7 +109,7 @@ install_debian()
     [[ -z ${backports[*]} ]] || add_backports "$suite"
     as_root apt-get -q -o DPkg::Lock::Timeout=300 update
     # shellcheck disable=SC2086
-    unknown=$(comm -13 <(apt-cache --no-all-versions show $missing 2>/dev/null | sed -n 's/^Package: //p' | sort -u) <(sort <<<"$missing"))
+    unknown=$(comm -13 <({ apt-cache --no-all-versions show $missing 2>/dev/null || true; } | sed -n 's/^Package: //p' | sort -u) <(sort <<<"$missing"))
     [[ -z $unknown ]] || stop "this system's package archive lacks: ${unknown//$'\n'/ }"
     # The driver alone comes from backports; everything else is the release's own.
     # shellcheck disable=SC2046
