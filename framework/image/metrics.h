@@ -14,7 +14,8 @@ struct Errors {
     uint64_t invalid;  ///< pixels with a NaN or an infinity in either image; left out of all the means
 };
 
-/// Throws Error when the sizes differ.
+/// Throws Error when the sizes differ or there are not 3 channels. Without a valid pixel the figures are NaN; an error relative
+/// to an all-black reference is infinite.
 Errors measureErrors(const Image& image, const Image& reference);
 
 }  // namespace restirpg

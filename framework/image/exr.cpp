@@ -1,0 +1,176 @@
+// OpenEXR files, through the OpenEXR library.
+#include "image/atomic.h"
+#include "image/exr_header.h"
+#include "image/image.h"
+
+#include "core/log.h"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
+#include <half.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace restirpg {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The first line of a library's message: an Error is one line.
+std::string firstLine(const std::string& text)
+{
+    return text.substr(0, text.find('\n'));
+}
+
+std::vector<std::string> channelNames(const fs::path& file, const Layer& layer)
+{
+    static const std::array<std::vector<std::string>, 5> suffixes = {
+        {{}, {"Y"}, {"X", "Y"}, {"R", "G", "B"}, {"R", "G", "B", "A"}}};
+    const Image& image = layer.image;
+    if (image.channels < 1 || image.channels > 4)
+        fail("{}: cannot write: layer '{}' has {} channels; 1 to 4 can be written", file.string(), layer.name, image.channels);
+    if (image.empty() || image.data.size() != size_t(image.width) * image.height * image.channels)
+        fail("{}: cannot write: layer '{}' has {} values, not {}x{}x{}", file.string(), layer.name, image.data.size(),
+             image.width, image.height, image.channels);
+    std::vector<std::string> names = suffixes[image.channels];
+    for (std::string& name : names)
+        name = layer.name.empty() ? name : layer.name + "." + name;
+    return names;
+}
+
+/// Finite values beyond half's range become its largest: an infinity would be read back as an invalid pixel.
+std::vector<half> toHalf(const fs::path& file, const std::vector<float>& values)
+{
+    size_t saturated = 0;
+    std::vector<half> result(values.size());
+    std::transform(values.begin(), values.end(), result.begin(), [&](float value) {
+        if (!std::isfinite(value) || std::abs(value) <= HALF_MAX)
+            return half(value);
+        ++saturated;
+        return half(std::copysign(float(HALF_MAX), value));
+    });
+    if (saturated > 0)
+        warn("{}: {} values beyond +-65504 do not fit half floats and were written as +-65504; write full floats to keep them",
+             file.string(), saturated);
+    return result;
+}
+
+/// The library's exceptions as one Error. A hostile file may throw anything derived from std::exception, bad_alloc too.
+template <typename Read>
+auto readSafely(const fs::path& file, Read&& read)
+{
+    checkExrHeader(file);
+    try {
+        return read();
+    } catch (const Error&) {
+        throw;
+    } catch (const std::exception& error) {
+        fail("{}: cannot read: {}; the file is damaged or of an unsupported kind, write it again as a scanline EXR",
+             file.string(), firstLine(error.what()));
+    }
+}
+
+/// The channel that each of the three colours is read from; an empty name leaves it 0.
+std::array<std::string, 3> colourChannels(const fs::path& file, const Imf::ChannelList& channels, const std::string& layer)
+{
+    const std::string prefix = layer.empty() ? "" : layer + ".";
+    const auto has = [&](const char* suffix) { return channels.findChannel(prefix + suffix) != nullptr; };
+    if (has("R") && has("G") && has("B"))
+        return {prefix + "R", prefix + "G", prefix + "B"};
+    if (has("X") && has("Y"))
+        return {prefix + "X", prefix + "Y", ""};
+    if (has("Y"))
+        return {prefix + "Y", prefix + "Y", prefix + "Y"};
+    std::string present;
+    for (auto channel = channels.begin(); channel != channels.end(); ++channel)
+        present += (present.empty() ? "" : ", ") + std::string(channel.name());
+    fail("{}: cannot read: no channels {}R, {}G, {}B and no {}Y; it has {}", file.string(), prefix, prefix, prefix, prefix,
+         present);
+}
+
+}  // namespace
+
+void writeExr(const fs::path& file, const std::vector<Layer>& layers, PixelType type,
+              const std::map<std::string, std::string>& attributes)
+{
+    if (layers.empty())
+        fail("{}: cannot write: no layers; give at least one image", file.string());
+    const uint32_t width = layers.front().image.width;
+    const uint32_t height = layers.front().image.height;
+    const Imf::PixelType stored = type == PixelType::half ? Imf::HALF : Imf::FLOAT;
+
+    writeAtomically(file, [&](const fs::path& temporary) {
+        Imf::Header header{int(width), int(height)};
+        header.compression() = Imf::ZIP_COMPRESSION;
+        for (const auto& [name, value] : attributes)
+            header.insert(name, Imf::StringAttribute(value));
+
+        std::vector<std::vector<half>> halves(layers.size());
+        Imf::FrameBuffer pixels;
+        for (size_t l = 0; l < layers.size(); ++l) {
+            const Image& image = layers[l].image;
+            const std::vector<std::string> names = channelNames(file, layers[l]);
+            if (image.width != width || image.height != height)
+                fail("{}: cannot write: layer '{}' is {}x{} and the first layer {}x{}; layers must be of one size",
+                     file.string(), layers[l].name, image.width, image.height, width, height);
+            const size_t size = type == PixelType::half ? sizeof(half) : sizeof(float);
+            const char* data = reinterpret_cast<const char*>(image.data.data());
+            if (type == PixelType::half) {
+                halves[l] = toHalf(file, image.data);
+                data = reinterpret_cast<const char*>(halves[l].data());
+            }
+            for (uint32_t c = 0; c < image.channels; ++c) {
+                header.channels().insert(names[c], Imf::Channel(stored));
+                // The library takes a pointer to mutable data for writing too.
+                pixels.insert(names[c], Imf::Slice(stored, const_cast<char*>(data) + c * size, size * image.channels,
+                                                   size * image.channels * width));
+            }
+        }
+        Imf::OutputFile output(temporary.c_str(), header);
+        output.setFrameBuffer(pixels);
+        output.writePixels(int(height));
+    });
+}
+
+Image readExr(const fs::path& file, const std::string& layer)
+{
+    return readSafely(file, [&] {
+        Imf::InputFile input(file.c_str());
+        const Imath::Box2i window = input.header().dataWindow();
+        const std::array<std::string, 3> names = colourChannels(file, input.header().channels(), layer);
+
+        Image image{uint32_t(window.max.x - window.min.x + 1), uint32_t(window.max.y - window.min.y + 1), 3, {}};
+        image.data.resize(size_t(image.width) * image.height * 3);
+        Imf::FrameBuffer pixels;
+        // A frame buffer holds a channel once; Y three times is read into the first colour and copied.
+        for (uint32_t c = 0; c < 3 && !names[c].empty() && (c == 0 || names[c] != names[0]); ++c)
+            pixels.insert(names[c], Imf::Slice::Make(Imf::FLOAT, image.data.data() + c, window, 3 * sizeof(float),
+                                                     3 * sizeof(float) * image.width));
+        input.setFrameBuffer(pixels);
+        input.readPixels(window.min.y, window.max.y);
+        if (names[1] == names[0])
+            for (size_t i = 0; i < image.data.size(); i += 3)
+                image.data[i + 1] = image.data[i + 2] = image.data[i];
+        return image;
+    });
+}
+
+std::map<std::string, std::string> readExrAttributes(const fs::path& file)
+{
+    return readSafely(file, [&] {
+        Imf::InputFile input(file.c_str());
+        std::map<std::string, std::string> attributes;
+        for (auto entry = input.header().begin(); entry != input.header().end(); ++entry)
+            if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&entry.attribute()))
+                attributes[entry.name()] = text->value();
+        return attributes;
+    });
+}
+
+}  // namespace restirpg

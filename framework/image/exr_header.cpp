@@ -1,0 +1,113 @@
+#include "image/exr_header.h"
+
+#include "image/limits.h"
+
+#include <array>
+#include <bit>
+#include <cstring>
+#include <fstream>
+#include <string>
+
+namespace restirpg {
+namespace {
+
+namespace fs = std::filesystem;
+
+static_assert(std::endian::native == std::endian::little, "EXR files are little endian and are read without swapping");
+
+constexpr int32_t MAGIC = 20000630;
+constexpr int32_t VERSION_MASK = 0xff;
+constexpr int32_t DEEP_FLAG = 0x800;
+constexpr int32_t MULTI_PART_FLAG = 0x1000;
+constexpr size_t MAX_NAME = 255;
+
+class HeaderWalker {
+public:
+    explicit HeaderWalker(const fs::path& file) : file_(file)
+    {
+        std::error_code missing;
+        size_ = fs::file_size(file, missing);
+        stream_.open(file, std::ios::binary);
+        if (missing || !stream_)
+            fail("{}: cannot read: {}; name an existing EXR file", file.string(),
+                 missing ? missing.message() : std::strerror(errno));
+    }
+
+    void walk()
+    {
+        if (size_ < 8 || read<int32_t>() != MAGIC)
+            fail("{}: cannot read: not an OpenEXR file; name a file that begins with EXR's magic number", file_.string());
+        const int32_t version = read<int32_t>();
+        if ((version & VERSION_MASK) != 2)
+            damaged("its version is not 2");
+        if (version & DEEP_FLAG)
+            fail("{}: cannot read: deep images are not supported; flatten it to a scanline image", file_.string());
+        walkPart();
+        // The headers of a multi-part file end with an empty one, i.e. a zero byte.
+        while ((version & MULTI_PART_FLAG) && stream_.peek() > 0)
+            walkPart();
+    }
+
+private:
+    [[noreturn]] void damaged(const std::string& what)
+    {
+        fail("{}: cannot read: {}; the file is damaged or truncated, write it again", file_.string(), what);
+    }
+
+    template <typename T>
+    T read()
+    {
+        T value{};
+        if (!stream_.read(reinterpret_cast<char*>(&value), sizeof value))
+            damaged("it ends inside its header");
+        return value;
+    }
+
+    /// Zero-terminated; empty at the end of a header.
+    std::string readName()
+    {
+        std::string name;
+        for (char c = read<char>(); c != 0; c = read<char>()) {
+            name += c;
+            if (name.size() > MAX_NAME)
+                damaged("an attribute's name has more than 255 characters");
+        }
+        return name;
+    }
+
+    void walkPart()
+    {
+        bool hasWindow = false;
+        for (std::string name = readName(); !name.empty(); name = readName()) {
+            const std::string type = readName();
+            const int32_t size = read<int32_t>();
+            const std::streamoff begin = stream_.tellg();
+            if (size < 0 || uint64_t(size) > size_ - uint64_t(begin))
+                damaged(fmt::format("an attribute claims {} bytes", size));
+            if (name == "dataWindow" && size == 16) {
+                const auto window = read<std::array<int32_t, 4>>();  // left, top, right, bottom, all inclusive
+                checkImageClaim(file_, int64_t(window[2]) - window[0] + 1, int64_t(window[3]) - window[1] + 1, size_);
+                hasWindow = true;
+            } else if (name == "tiles" && size == 9) {
+                const auto tile = read<std::array<uint32_t, 2>>();
+                checkImageClaim(file_, tile[0], tile[1], size_);
+            }
+            stream_.seekg(begin + size);
+        }
+        if (!hasWindow)
+            damaged("its header has no data window");
+    }
+
+    fs::path file_;
+    uint64_t size_ = 0;
+    std::ifstream stream_;
+};
+
+}  // namespace
+
+void checkExrHeader(const fs::path& file)
+{
+    HeaderWalker(file).walk();
+}
+
+}  // namespace restirpg
