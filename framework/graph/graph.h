@@ -1,24 +1,18 @@
 // The GPU-free half of the render graph: read a description, check it, order it, cull it, plan its resources.
 #pragma once
 
+#include "graph/description.h"
 #include "graph/plugins.h"
 
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace restirpg {
 
-/// Where something was written in a graph file.
-struct Location {
-    std::string file;
-    uint32_t line = 0;
-    std::string text() const { return file + ":" + std::to_string(line); }
-};
-
-/// A graph file as JSON, checked for shape only. See python/restirpg/graph.py for the schema.
+/// A graph file (.py, evaluated by pythonInterpreter(), or .json) as JSON, checked for shape only: see
+/// python/restirpg/graph.py for the schema. Throws Error, located in the file. What a Python file prints goes to the log.
 nlohmann::json readGraphFile(const std::filesystem::path& file);
 
 /// An edge into an input port.
@@ -33,7 +27,7 @@ struct Edge {
 struct GraphPass {
     std::string name;  ///< in the graph: "paths"
     std::string type;  ///< the plugin: "PathTracerGuided"
-    Location location;
+    Location location;  ///< of its Graph.add
     std::unique_ptr<Pass> pass;
     Interface interface;
     bool live = false;  ///< reachable from the graph's outputs, over all edges
@@ -51,15 +45,16 @@ struct PlannedResource {
     uint32_t pass;
     uint32_t output;
     bool delayed;  ///< somebody reads last frame's value: two copies, alternating
-    uint32_t firstUse;  ///< positions in Graph::order, for tools
-    uint32_t lastUse;
+    uint32_t firstUse;  ///< position in Graph::order of the pass that writes it
+    uint32_t lastUse;  ///< of the last pass that reads it; the end of the order when it outlives the frame (delayed, output)
 };
 
-/// A parsed, checked and ordered graph. Throws Error with every mistake found, one a line, each located in the graph file.
+/// A parsed, checked and ordered graph.
 class Graph {
 public:
-    /// From a description (readGraphFile) and the plugins at hand.
-    Graph(nlohmann::json description, Plugins& plugins);
+    /// From a description (readGraphFile) and the plugins at hand. Throws Error with every mistake found, each in a line located
+    /// in the graph file and, where there is more to say, an indented line of help.
+    Graph(nlohmann::json description, const Plugins& plugins);
 
     const std::string& name() const { return name_; }
     std::vector<GraphPass>& passes() { return passes_; }
@@ -72,9 +67,13 @@ public:
     /// A live or dead pass by name; nullptr when there is none.
     GraphPass* find(const std::string& name);
 
-    /// Set "pass.knob" from text; throws Error naming the choices and the nearest name.
-    void setKnob(const std::string& path, const std::string& value);
-    /// Set `knob` on every pass that has it; the number of passes that do.
+    /// The knob "pass.knob". Throws Error in one line, naming what there is and the nearest name.
+    Knob& knob(const std::string& path);
+    /// Set "pass.knob" from text, as `--set` has it; throws as knob(), and when the value does not suit.
+    void setKnobFromText(const std::string& path, const std::string& text);
+    /// Set "pass.knob" from a value; throws as knob(), and when the value does not suit.
+    void setKnob(const std::string& path, const nlohmann::json& value);
+    /// Set `knob` on every pass that has it; the number of passes that do. Throws Error when the value does not suit it.
     uint32_t setKnobEverywhere(const std::string& knob, const nlohmann::json& value);
 
     /// The description with the knobs as they are now: what an EXR header carries, and a valid graph file.

@@ -50,6 +50,7 @@ inline PortType fixedSize(const std::string& name, std::function<uint64_t()> byt
 template <typename Resource>
 struct In {
     const Resource* resource = nullptr;  ///< null: the port is not wired
+    bool empty = false;  ///< a delayed input without history (first frame, after a resize or a cut): its buffer is zeroed
     explicit operator bool() const { return resource != nullptr; }
     const Resource* operator->() const { return resource; }
 };

@@ -14,27 +14,33 @@ namespace restirpg {
 /// A loaded plugin. Its library stays loaded until the process ends.
 struct Plugin {
     const PluginEntry* entry = nullptr;
-    std::filesystem::path library;
+    std::filesystem::path library;  ///< empty for a pass of this process
 };
 
 /// Every pass at hand: `restirpg-pass-NAME.so` beside the framework and along RESTIRPG_PLUGIN_PATH (colon separated, searched
-/// first). A library that cannot be loaded, or whose ABI number differs, is named in a warning and an Error when it is asked for.
+/// first). The file name gives the pass's name; a library is loaded when its pass is first asked for, so that a broken one
+/// spoils no other.
 class Plugins {
 public:
     /// Scan the standard folders.
     Plugins();
-    /// Passes of this process, for tests that need no shared library.
-    explicit Plugins(std::vector<const PluginEntry*> entries);
+    /// Passes of this process, for tests that need no shared library. Two must not have the same name.
+    explicit Plugins(const std::vector<const PluginEntry*>& entries);
 
-    std::vector<std::string> names() const;  ///< sorted
-    /// nullptr when there is no such pass.
+    std::vector<std::string> names() const;  ///< sorted; some may turn out not to load
+    const std::vector<std::filesystem::path>& folders() const { return folders_; }  ///< searched, in this order
+
+    /// Loads the pass's library if need be. nullptr when there is no such pass or it cannot be loaded: see problem().
     const Plugin* find(const std::string& name) const;
-    /// Why a pass that was found could not be loaded; empty when there is nothing to say.
+    /// Why a pass that was found could not be loaded, naming its library and the mend; empty when there is nothing to say.
     std::string problem(const std::string& name) const;
 
 private:
-    std::map<std::string, Plugin> plugins_;
-    std::map<std::string, std::string> problems_;
+    void scan(const std::filesystem::path& folder);
+
+    std::vector<std::filesystem::path> folders_;
+    mutable std::map<std::string, Plugin> plugins_;
+    mutable std::map<std::string, std::string> problems_;
 };
 
 }  // namespace restirpg

@@ -1,0 +1,119 @@
+#include "core/process.h"
+
+#include "core/error.h"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char** environ;
+
+namespace restirpg {
+namespace {
+
+/// A pipe whose two ends are closed with it, and not inherited unless duplicated.
+struct Pipe {
+    std::array<int, 2> ends{-1, -1};
+
+    Pipe()
+    {
+        if (pipe2(ends.data(), O_CLOEXEC) != 0)
+            fail("cannot create a pipe: {}", std::strerror(errno));
+    }
+    ~Pipe()
+    {
+        closeEnd(0);
+        closeEnd(1);
+    }
+    Pipe(const Pipe&) = delete;
+    Pipe& operator=(const Pipe&) = delete;
+
+    void closeEnd(int end)
+    {
+        if (ends[end] >= 0)
+            close(ends[end]);
+        ends[end] = -1;
+    }
+};
+
+std::vector<std::string> mergedEnvironment(const std::map<std::string, std::string>& added)
+{
+    std::vector<std::string> merged;
+    for (char** entry = environ; *entry; ++entry) {
+        const std::string text = *entry;
+        if (!added.contains(text.substr(0, text.find('='))))
+            merged.push_back(text);
+    }
+    for (const auto& [name, value] : added)
+        merged.push_back(name + "=" + value);
+    return merged;
+}
+
+/// posix_spawn wants arrays of mutable C strings.
+std::vector<char*> pointers(const std::vector<std::string>& texts)
+{
+    std::vector<char*> result;
+    for (const auto& text : texts)
+        result.push_back(const_cast<char*>(text.c_str()));
+    result.push_back(nullptr);
+    return result;
+}
+
+/// Read both pipes to their ends, together: a program that fills one while we wait at the other would hang.
+void drain(Pipe& output, Pipe& errors, ProcessResult& result)
+{
+    std::array<pollfd, 2> polled{{{output.ends[0], POLLIN, 0}, {errors.ends[0], POLLIN, 0}}};
+    const std::array<std::string*, 2> texts{&result.output, &result.errors};
+    std::array<char, 65536> chunk;
+    while (polled[0].fd >= 0 || polled[1].fd >= 0) {
+        if (poll(polled.data(), polled.size(), -1) < 0 && errno != EINTR)
+            fail("cannot wait for a program's output: {}", std::strerror(errno));
+        for (size_t i = 0; i < polled.size(); ++i) {
+            if (polled[i].fd < 0 || polled[i].revents == 0)
+                continue;
+            const ssize_t count = read(polled[i].fd, chunk.data(), chunk.size());
+            if (count > 0)
+                texts[i]->append(chunk.data(), size_t(count));
+            else if (count == 0 || errno != EINTR)
+                polled[i].fd = -1;
+        }
+    }
+}
+
+}  // namespace
+
+ProcessResult runProcess(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment)
+{
+    Pipe output, errors;
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions, output.ends[1], STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, errors.ends[1], STDERR_FILENO);
+
+    const auto variables = mergedEnvironment(environment);
+    pid_t process = 0;
+    const int problem = posix_spawnp(&process, command.front().c_str(), &actions, nullptr, pointers(command).data(),
+                                     pointers(variables).data());
+    posix_spawn_file_actions_destroy(&actions);
+    if (problem != 0)
+        fail("cannot start {}: {}", command.front(), std::strerror(problem));
+
+    output.closeEnd(1);
+    errors.closeEnd(1);
+    ProcessResult result;
+    drain(output, errors, result);
+    int status = 0;
+    while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
+    }
+    result.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return result;
+}
+
+}  // namespace restirpg

@@ -1,0 +1,95 @@
+// Reading a graph file, Python or JSON.
+#include "graph/graph.h"
+
+#include "core/error.h"
+#include "core/log.h"
+#include "core/paths.h"
+#include "core/process.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+namespace restirpg {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A description nests 5 deep; copying JSON recurses, so that a hostile file could exhaust the stack.
+constexpr int MAXIMUM_DEPTH = 64;
+
+std::string readText(const fs::path& file)
+{
+    if (fs::is_directory(file))
+        fail("{}: a folder, not a graph file (.py or .json)", file.string());
+    std::ifstream stream(file, std::ios::binary);
+    std::ostringstream text;
+    if (!stream || (stream.peek() != std::ifstream::traits_type::eof() && !(text << stream.rdbuf())))
+        fail("{}: cannot read the graph file; check its name and permissions", file.string());
+    return text.str();
+}
+
+nlohmann::json parseJson(const std::string& text, const fs::path& file)
+{
+    if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+        fail("{}: the file is empty; a graph is an object with \"name\", \"passes\" and \"outputs\"", file.string());
+    try {
+        return nlohmann::json::parse(text, [&](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
+            if (depth > MAXIMUM_DEPTH)
+                fail("{}: not a graph: nested deeper than {} levels", file.string(), MAXIMUM_DEPTH);
+            return true;
+        });
+    } catch (const nlohmann::json::exception& error) {
+        // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ..."
+        std::string reason = error.what();
+        if (const auto end = reason.find(": "); end != std::string::npos)
+            reason.erase(0, end + 2);
+        uint32_t line = 1;
+        if (const auto* syntax = dynamic_cast<const nlohmann::json::parse_error*>(&error))
+            line += uint32_t(std::count(text.begin(), text.begin() + long(std::min(syntax->byte, text.size())), '\n'));
+        fail("{}:{}: not JSON: {}", file.string(), line, reason);
+    }
+}
+
+/// What a Python graph file describes, evaluated in a process of its own.
+std::string evaluate(const fs::path& file)
+{
+    std::string modules = pythonFolder().string();
+    if (const char* inherited = std::getenv("PYTHONPATH"))
+        modules += std::string(":") + inherited;
+    // -B: leave no __pycache__ in the user's folder.
+    const auto result = runProcess({pythonInterpreter().string(), "-B", "-m", "restirpg.evaluate", file.string()},
+                                   {{"PYTHONPATH", modules}, {"PYTHONIOENCODING", "utf-8"}});
+    std::string errors = result.errors;
+    while (!errors.empty() && errors.back() == '\n')
+        errors.pop_back();
+    if (result.exitCode == 2 && !errors.empty())
+        throw Error(errors);
+    if (result.exitCode != 0)
+        fail("{}: {} ended with code {} while evaluating the graph file{}{}", file.string(),
+             pythonInterpreter().string(), result.exitCode, errors.empty() ? "" : ": ",
+             errors.substr(errors.rfind('\n') + 1));
+    if (!errors.empty())
+        logInfo(errors);  // what the file printed
+    return result.output;
+}
+
+}  // namespace
+
+nlohmann::json readGraphFile(const fs::path& file)
+{
+    std::string text = readText(file);
+    if (file.extension() == ".py")
+        text = evaluate(file);
+    else if (file.extension() != ".json")
+        fail("{}: a graph file ends in .py or .json", file.string());
+    auto description = parseJson(text, file);
+    Mistakes mistakes;
+    parseDescription(description, file.string(), mistakes);
+    mistakes.raise();
+    description.emplace("file", file.string());
+    return description;
+}
+
+}  // namespace restirpg

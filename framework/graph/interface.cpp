@@ -1,0 +1,107 @@
+#include "graph/interface.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace restirpg {
+namespace {
+
+bool isSnakeCase(const std::string& name)
+{
+    return !name.empty() && name[0] >= 'a' && name[0] <= 'z' && std::all_of(name.begin(), name.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+    });
+}
+
+template <typename Declarations>
+bool contains(const Declarations& declarations, const std::string& name)
+{
+    return std::any_of(declarations.begin(), declarations.end(), [&](const auto& d) { return d.name == name; });
+}
+
+void checkName(const std::string& name, bool taken)
+{
+    if (!isSnakeCase(name))
+        fail("it declares '{}'; names are lower_snake_case", name);
+    if (taken)
+        fail("it declares '{}' twice", name);
+}
+
+/// A float's bound as it was written: 0.1f as 0.1.
+double written(float bound)
+{
+    return std::stod(fmt::format("{}", bound));
+}
+
+/// Inputs and knobs share one name space: both are keyword arguments of Graph.add.
+void addKnob(std::vector<Knob>& knobs, const std::vector<InputPort>& inputs, Knob knob)
+{
+    checkName(knob.name, contains(inputs, knob.name) || contains(knobs, knob.name));
+    knob.set(knob.get());  // the default obeys its own range
+    knobs.push_back(std::move(knob));
+}
+
+}  // namespace
+
+void Interface::input(const std::string& name, In<Buffer>& target, PortType type, const std::string& meaning)
+{
+    checkName(name, contains(inputs_, name) || contains(knobs_, name));
+    inputs_.push_back({name, std::move(type), meaning, false, &target});
+}
+
+void Interface::optionalInput(const std::string& name, In<Buffer>& target, PortType type, const std::string& meaning)
+{
+    input(name, target, std::move(type), meaning);
+    inputs_.back().optional = true;
+}
+
+void Interface::output(const std::string& name, Out<Buffer>& target, PortType type, const std::string& meaning)
+{
+    checkName(name, contains(outputs_, name));
+    outputs_.push_back({name, std::move(type), meaning, &target});
+}
+
+void Interface::knob(const std::string& name, bool& target, const std::string& meaning)
+{
+    addKnob(knobs_, inputs_, {name, &target, meaning, 0, 1, {}});
+}
+
+void Interface::knob(const std::string& name, int32_t& target, int32_t minimum, int32_t maximum,
+                     const std::string& meaning)
+{
+    addKnob(knobs_, inputs_, {name, &target, meaning, double(minimum), double(maximum), {}});
+}
+
+void Interface::knob(const std::string& name, uint32_t& target, uint32_t minimum, uint32_t maximum,
+                     const std::string& meaning)
+{
+    addKnob(knobs_, inputs_, {name, &target, meaning, double(minimum), double(maximum), {}});
+}
+
+void Interface::knob(const std::string& name, float& target, float minimum, float maximum, const std::string& meaning)
+{
+    addKnob(knobs_, inputs_, {name, &target, meaning, written(minimum), written(maximum), {}});
+}
+
+void Interface::knob(const std::string& name, std::string& target, const std::string& meaning)
+{
+    addKnob(knobs_, inputs_, {name, &target, meaning, 0, 0, {}});
+}
+
+void Interface::choice(const std::string& name, std::string& target, std::vector<std::string> choices,
+                       const std::string& meaning)
+{
+    addKnob(knobs_, inputs_, {name, &target, meaning, 0, 0, std::move(choices)});
+}
+
+void Interface::structural()
+{
+    if (knobs_.empty())
+        fail("it calls structural() before any knob is declared");
+    knobs_.back().structural = true;
+}
+
+}  // namespace restirpg

@@ -1,0 +1,134 @@
+#include "graph/knob.h"
+
+#include "core/error.h"
+#include "core/nearest.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace restirpg {
+namespace {
+
+template <typename... Cases>
+struct Overloaded : Cases... {
+    using Cases::operator()...;
+};
+template <typename... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;
+
+/// The double that prints as the float does: 0.1f becomes 0.1, not 0.10000000149.
+double shortest(float value)
+{
+    return std::stod(fmt::format("{}", value));
+}
+
+/// What a knob accepts, as a noun phrase.
+std::string accepted(const Knob& knob)
+{
+    const std::string type = knob.typeName();
+    if (type == "bool")
+        return "true or false";
+    if (type == "choice")
+        return fmt::format("one of {}", fmt::join(knob.choices, ", "));
+    if (type == "string")
+        return "text";
+    return fmt::format("a {} from {} to {}", type == "float" ? "number" : "whole number", knob.minimum, knob.maximum);
+}
+
+[[noreturn]] void refuse(const Knob& knob, const nlohmann::json& value)
+{
+    const std::string guess = value.is_string() ? didYouMean(value.get<std::string>(), knob.choices) : "";
+    const std::string given = value.is_structured() ? std::string("an ") + value.type_name()
+                                                    : value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    fail("knob '{}' must be {}, not {}{}{}", knob.name, accepted(knob), given, guess.empty() ? "" : "; ", guess);
+}
+
+/// The number in `value`, checked against the knob's range.
+double checkedNumber(const Knob& knob, const nlohmann::json& value, bool whole)
+{
+    if (whole ? !value.is_number_integer() : !value.is_number())
+        refuse(knob, value);
+    const double number = value.get<double>();
+    if (!(number >= knob.minimum && number <= knob.maximum))
+        refuse(knob, value);
+    return number;
+}
+
+/// All of `text` as a number, or text again when it is none: Knob::set then says what is wrong with it.
+template <typename Number>
+nlohmann::json numberFrom(const std::string& text)
+{
+    Number number{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(double(number)))
+        return text;
+    return number;
+}
+
+nlohmann::json booleanFrom(std::string text)
+{
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+    for (const char* yes : {"true", "1", "on", "yes"})
+        if (text == yes)
+            return true;
+    for (const char* no : {"false", "0", "off", "no"})
+        if (text == no)
+            return false;
+    return text;
+}
+
+}  // namespace
+
+std::string Knob::typeName() const
+{
+    return std::visit(Overloaded{[](bool*) -> std::string { return "bool"; },
+                                 [](int32_t*) -> std::string { return "int"; },
+                                 [](uint32_t*) -> std::string { return "uint"; },
+                                 [](float*) -> std::string { return "float"; },
+                                 [&](std::string*) -> std::string { return choices.empty() ? "string" : "choice"; }},
+                      target);
+}
+
+nlohmann::json Knob::get() const
+{
+    return std::visit(Overloaded{[](float* value) -> nlohmann::json { return shortest(*value); },
+                                 [](auto* value) -> nlohmann::json { return *value; }},
+                      target);
+}
+
+void Knob::set(const nlohmann::json& value)
+{
+    std::visit(Overloaded{[&](bool* variable) {
+                              if (!value.is_boolean())
+                                  refuse(*this, value);
+                              *variable = value.get<bool>();
+                          },
+                          [&](int32_t* variable) { *variable = int32_t(checkedNumber(*this, value, true)); },
+                          [&](uint32_t* variable) { *variable = uint32_t(checkedNumber(*this, value, true)); },
+                          [&](float* variable) { *variable = float(checkedNumber(*this, value, false)); },
+                          [&](std::string* variable) {
+                              if (!value.is_string())
+                                  refuse(*this, value);
+                              const auto text = value.get<std::string>();
+                              if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
+                                  refuse(*this, value);
+                              *variable = text;
+                          }},
+               target);
+}
+
+void Knob::setFromText(const std::string& text)
+{
+    set(std::visit(Overloaded{[&](bool*) { return booleanFrom(text); },
+                              [&](int32_t*) { return numberFrom<int64_t>(text); },
+                              [&](uint32_t*) { return numberFrom<int64_t>(text); },
+                              [&](float*) { return numberFrom<double>(text); },
+                              [&](std::string*) { return nlohmann::json(text); }},
+                   target));
+}
+
+}  // namespace restirpg

@@ -1,0 +1,104 @@
+#include "graph/plugins.h"
+
+#include "core/error.h"
+#include "core/paths.h"
+
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <sstream>
+
+namespace restirpg {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string PREFIX = "restirpg-pass-";
+
+std::vector<fs::path> standardFolders()
+{
+    std::vector<fs::path> folders;
+    if (const char* given = std::getenv("RESTIRPG_PLUGIN_PATH")) {
+        std::istringstream list(given);
+        for (std::string folder; std::getline(list, folder, ':');)
+            if (!folder.empty())
+                folders.emplace_back(fs::absolute(folder));
+    }
+    folders.push_back(libraryFolder() / "restirpg/passes");
+    return folders;
+}
+
+/// Load the library and check its entry. Throws Error naming the library and the mend.
+const PluginEntry* load(const fs::path& library, const std::string& name)
+{
+    // A plugin's code and type information are used until the end: its library is never closed.
+    void* handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (!handle)
+        fail("{}; rebuild the pass against this framework", dlerror());
+    const auto* entry = static_cast<const PluginEntry*>(dlsym(handle, "restirpgPlugin"));
+    if (!entry)
+        fail("{}: it exports no pass; its source must end with RESTIRPG_PASS({}, \"...\")", library.string(), name);
+    if (entry->abi != PLUGIN_ABI)
+        fail("{}: built for plugin ABI {}, this framework has {}; rebuild the pass", library.string(), entry->abi,
+             PLUGIN_ABI);
+    if (entry->name != name)
+        fail("{}: it contains the pass '{}'; name the file {}{}.so", library.string(), entry->name, PREFIX,
+             entry->name);
+    return entry;
+}
+
+}  // namespace
+
+Plugins::Plugins() : folders_(standardFolders())
+{
+    for (const auto& folder : folders_)
+        scan(folder);
+}
+
+Plugins::Plugins(const std::vector<const PluginEntry*>& entries)
+{
+    for (const auto* entry : entries)
+        plugins_[entry->name] = {entry, {}};
+}
+
+void Plugins::scan(const fs::path& folder)
+{
+    std::error_code unreadable;  // a folder that is not there holds no passes
+    for (const auto& file : fs::directory_iterator(folder, unreadable)) {
+        const std::string stem = file.path().stem().string();
+        if (file.path().extension() == ".so" && stem.starts_with(PREFIX))
+            plugins_.try_emplace(stem.substr(PREFIX.size()), Plugin{nullptr, file.path()});
+    }
+}
+
+std::vector<std::string> Plugins::names() const
+{
+    std::vector<std::string> result;
+    for (const auto& [name, plugin] : plugins_)
+        result.push_back(name);
+    return result;
+}
+
+const Plugin* Plugins::find(const std::string& name) const
+{
+    const auto found = plugins_.find(name);
+    if (found == plugins_.end() || problems_.contains(name))
+        return nullptr;
+    if (!found->second.entry) {
+        try {
+            found->second.entry = load(found->second.library, name);
+        } catch (const Error& error) {
+            problems_[name] = error.what();
+            return nullptr;
+        }
+    }
+    return &found->second;
+}
+
+std::string Plugins::problem(const std::string& name) const
+{
+    const auto found = problems_.find(name);
+    return found == problems_.end() ? std::string() : found->second;
+}
+
+}  // namespace restirpg
