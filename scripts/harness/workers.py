@@ -1,5 +1,6 @@
 """Worker processes: a job that crashes, or is killed, takes its own worker with it and nothing else."""
 
+import contextlib
 import faulthandler
 import multiprocessing
 import os
@@ -104,7 +105,8 @@ class Pool:
                     worker = self._idle.pop() if self._idle else self._start()
                     worker.job = waiting.pop(0)
                     busy[worker.connection] = worker
-                    worker.connection.send((kind, worker.job))
+                    with contextlib.suppress(BrokenPipeError):  # it died idle: its pipe tells below
+                        worker.connection.send((kind, worker.job))
                 for connection in wait(list(busy)):
                     worker = busy[connection]
                     try:

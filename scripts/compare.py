@@ -1,0 +1,131 @@
+#!/usr/bin/python3
+"""Compare light transport methods on equal terms: same scene, seeds, bounce cap, pixel filter, clock and reference.
+
+    scripts/compare.py GRAPH[@SETTING=VALUE,...]... --scenes SCENE... [--size 160x90] [--frames 32] [--seeds 8]
+
+Each GRAPH is one method; the first is the baseline that the others are tested against. Settings are knobs (`paths.nee=false`,
+or `bounces=2` on every pass that has it) and label, output, device, backend. Prints tables and writes report.html, CSV
+and EXR files into the folder --out. Finished runs are kept: the same command again, after any interruption, goes on
+where it stopped. Exit code: 0; 1 when a run failed (the others are reported); 2 for a mistake in what was asked;
+130 after Ctrl-C.
+"""
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from harness import UserError, analysis, render, report, selftest, tables  # noqa: E402
+from harness.comparison import Comparison, Settings  # noqa: E402
+from harness.display import Display  # noqa: E402
+from harness.jobs import Cache, parse_method  # noqa: E402
+from harness.workers import Pool  # noqa: E402
+
+
+def size(text):
+    """`WxH` in pixels."""
+    width, _, height = text.partition("x")
+    if not (width.isdigit() and height.isdigit() and 8 <= int(width) <= 16384 and 8 <= int(height) <= 16384):
+        raise argparse.ArgumentTypeError(f"'{text}' is not WIDTHxHEIGHT of at least 8x8, as in 160x90")
+    return int(width), int(height)
+
+
+def positive(text):
+    """A whole number of at least 1."""
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least 1")
+    return int(text)
+
+
+def parse(arguments):
+    """The command line as a namespace."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    add = parser.add_argument
+    add("methods", nargs="*", metavar="GRAPH[@SETTING=VALUE,...]", help="a method; the first is the baseline")
+    add("--scenes", nargs="+", metavar="FILE", default=["out/scenes/door_ajar.glb"], help=".glb or .gltf (%(default)s)")
+    add("--size", type=size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
+    add("--frames", type=positive, default=32, help="frames of a run (%(default)s)")
+    add("--seeds", type=positive, default=8, help="independent runs of each method (%(default)s)")
+    add("--base-seed", type=int, default=0, help="another number gives other random numbers to all runs (%(default)s)")
+    add("--bounces", type=positive, help="bounce cap of every pass and of the reference (the scene's, or the graph's own)")
+    add("--environment", metavar="FILE|R,G,B", help="environment light in place of the scene's")
+    add("--camera", type=int, default=0, help="number of the scene's camera (%(default)s)")
+    add("--reference", metavar="EXR", help="a picture to take for the truth, in place of a path traced one")
+    add("--reference-graph", default="graphs/path_tracer.py", metavar="GRAPH", help="what renders the truth (%(default)s)")
+    add("--reference-frames", type=positive, metavar="N", help="frames of the reference in all (32 times --frames)")
+    add("--reference-batches", type=positive, default=16, metavar="R",
+        help="independent parts of the reference, for its own standard error (%(default)s)")
+    add("--jobs", type=positive, default=1, help="runs at a time: more than one spoils the times (%(default)s)")
+    add("--out", default="out/compare", help="folder of the report, CSV and EXR files (%(default)s)")
+    add("--cache", help="folder of finished runs (OUT/cache)")
+    add("--self-test", action="store_true",
+        help="measure the harness: false alarms between equal methods, power to find a 1%% error of energy")
+    add("--trials", type=positive, default=100, help="of the self-test (%(default)s)")
+    return parser.parse_args(arguments)
+
+
+def settings_from(options):
+    """The namespace as Settings; raises UserError."""
+    methods = tuple(parse_method(text) for text in options.methods)
+    if not methods:
+        raise UserError("no graph given; name one or more, as in scripts/compare.py graphs/path_tracer.py")
+    return Settings(methods=methods, scenes=tuple(options.scenes), size=options.size, frames=options.frames,
+                    seeds=options.seeds, base_seed=options.base_seed, bounces=options.bounces,
+                    environment=options.environment, camera=options.camera, reference=options.reference,
+                    reference_graph=options.reference_graph,
+                    reference_frames=options.reference_frames or 32 * options.frames,
+                    reference_batches=options.reference_batches)
+
+
+def compare(options, cache, pool, display):
+    """Run the comparison, print the tables and write the files. Returns the exit code."""
+    started = time.monotonic()
+    settings = settings_from(options)
+    comparison = Comparison(settings, cache, pool, display)
+    comparison.prepare()
+    for device in dict.fromkeys(f"{device['name']}, {device['driver']}, {device['backend']}"
+                                for device in comparison.device.values()):
+        print(f"device: {device}")
+    findings = analysis.analyse(comparison.run())
+    text = tables.as_text(findings)
+    out = Path(options.out)
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "tables.txt").write_text(text)
+    tables.write_csv(findings, out)
+    report.write_pictures(findings, out / "images")
+    report.write(findings, settings, comparison, out / "report.html")
+    print(text)
+    for failure in comparison.failures:
+        print(f"failed: {failure}", file=sys.stderr)
+    print(f"{out / 'report.html'}: the report, after {time.monotonic() - started:.0f} s; "
+          f"tables.txt, summary.csv, runs.csv and images/*.exr lie beside it")
+    return 1 if comparison.failures else 0
+
+
+def main(arguments):
+    """The command line. Returns the exit code."""
+    options = parse(arguments)
+    display = Display()
+    try:
+        render.find_package()
+        cache = Cache(options.cache or Path(options.out) / "cache")
+        with Pool(cache.folder, options.jobs) as pool:
+            return (selftest.run if options.self_test else compare)(options, cache, pool, display)
+    except UserError as error:
+        display.stop()
+        print(f"compare.py: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        display.stop()
+        print(f"compare.py: {error.filename}: {error.strerror}; choose another folder with --out", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        display.stop()
+        print("\ninterrupted; finished runs are kept: the same command goes on from here", file=sys.stderr)
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,119 @@
+"""From runs to findings: the numbers that the tables, the plots and the report show."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness import reference as references
+from harness import statistics as st
+
+METRICS = ("mape", "relmse")
+
+
+@dataclass
+class MethodFindings:
+    """One method on one scene. Curves are (seeds, measured frames)."""
+
+    label: str
+    frames: np.ndarray
+    curves: dict  # metric -> curve; relmse without the reference's own noise
+    gpu_ms: np.ndarray  # summed since the start, (seeds, measured frames)
+    wall_ms: np.ndarray
+    equal_frame: dict  # metric -> (mean, standard error) after the last frame
+    equal_time: dict  # metric -> (mean, standard error) at SceneFindings.common_ms; NaN: the first frame takes longer
+    bias: st.Test  # relative to the reference's mean
+    block_p: np.ndarray  # p-value of each 8x8 block's bias
+    spatial_image: tuple  # block correlation of the final picture: ratio, standard error
+    spatial_frame: tuple  # of single frames
+    temporal: tuple  # autocorrelation at lag 1: mean, standard error
+    passes: dict  # pass -> ms a frame, mean over seeds
+    memory: dict  # resource -> bytes
+    against: dict  # (metric, "frame" or "time") -> paired Test against the baseline; the baseline itself: empty
+    images: dict  # "image" (first seed), "mean" (of all seeds), "frame" (first seed's last frame alone)
+    adjusted: dict = None  # as `against`, and "bias", "blocks" -> p-value corrected over the whole comparison
+
+
+@dataclass
+class SceneFindings:
+    """One scene: its reference, the time all methods are compared at, and the methods, the baseline first."""
+
+    scene: str
+    reference: dict
+    noise: dict
+    common_ms: float
+    methods: list
+    descriptions: dict
+    warnings: list
+    seeds: int
+    tests: int = 0  # in each family
+
+
+def analyse(scene_runs):
+    """Findings of every scene, with p-values corrected over all scenes and methods together (Holm)."""
+    findings = [_scene(runs) for runs in scene_runs if runs.runs]
+    for kind in [(metric, mode) for metric in METRICS for mode in ("frame", "time")]:
+        _correct(findings, kind, lambda method: method.against[kind].p if method.against else np.nan)
+    _correct(findings, "bias", lambda method: method.bias.p)
+    _correct(findings, "blocks", _smallest_block_p)
+    return findings
+
+
+def _correct(findings, kind, p_value):
+    methods = [method for scene in findings for method in scene.methods]
+    p_values = [p_value(method) for method in methods]
+    for method, adjusted in zip(methods, st.holm(p_values)):
+        method.adjusted = {**(method.adjusted or {}), kind: float(adjusted)}
+    if kind == "bias":
+        for scene in findings:
+            scene.tests = int(np.sum(~np.isnan(p_values)))
+
+
+def _smallest_block_p(method):
+    """Bonferroni over a method's own blocks."""
+    return min(1.0, float(np.min(method.block_p)) * method.block_p.size) if method.block_p.size else np.nan
+
+
+def _scene(runs):
+    noise = references.noise(runs.reference)
+    times = {label: np.array([run["gpu_ms"] for run in seeds]) for label, seeds in runs.runs.items()}
+    common = min(float(curve[:, -1].min()) for curve in times.values())
+    methods = [_method(label, seeds, runs.reference, noise, common) for label, seeds in runs.runs.items()]
+    for method in methods[1:]:
+        method.against = {(metric, mode): st.paired(_values(method, metric, mode, common),
+                                                    _values(methods[0], metric, mode, common))
+                          for metric in METRICS for mode in ("frame", "time")}
+    return SceneFindings(runs.scene, runs.reference, noise, common, methods, runs.descriptions, runs.warnings,
+                         len(next(iter(runs.runs.values()))))
+
+
+def _values(method, metric, mode, common):
+    """A metric by seed, after the last frame or at the common time."""
+    curves = method.curves[metric]
+    if mode == "frame":
+        return curves[:, -1]
+    return np.array([st.at_time(times, curve, common) for times, curve in zip(method.gpu_ms, curves)])
+
+
+def _method(label, runs, truth, noise, common):
+    gather = {name: np.array([run[name] for run in runs]) for name in ("mape", "relmse", "bias", "gpu_ms", "wall_ms")}
+    curves = {"mape": gather["mape"], "relmse": gather["relmse"] - noise["relmse"], "bias": gather["bias"]}
+    pictures = np.array([np.nan_to_num(run["image"].astype(float), nan=0, posinf=0, neginf=0) for run in runs])
+    frames = np.nan_to_num(st.luminance(np.array([run["frame"] for run in runs])), nan=0, posinf=0, neginf=0)
+    brightness = st.luminance(pictures)
+    temporal = [st.temporal_correlation(run["temporal"], noise["luminance_variance"]) for run in runs]
+    scale = truth["batch_means"].mean()
+    several = len(runs) > 1
+    method = MethodFindings(
+        label=label, frames=runs[0]["frames"], curves=curves, gpu_ms=gather["gpu_ms"], wall_ms=gather["wall_ms"],
+        equal_frame={}, equal_time={},
+        bias=st.welch(pictures.mean(axis=(1, 2, 3)) / scale, truth["batch_means"] / scale),
+        block_p=st.welch_p_values(st.block_means(brightness), truth["batch_blocks"]) if several else np.array([]),
+        spatial_image=st.block_correlation(brightness), spatial_frame=st.block_correlation(frames),
+        temporal=st.mean_se(temporal),
+        passes={name: float(np.mean([run["meta"]["passes"][name] for run in runs])) for name in runs[0]["meta"]["passes"]},
+        memory=runs[0]["meta"]["memory"], against={},
+        images={"image": runs[0]["image"], "mean": pictures.mean(axis=0).astype(np.float32), "frame": runs[0]["frame"]})
+    for metric in METRICS:
+        method.equal_frame[metric] = st.mean_se(_values(method, metric, "frame", common))
+        method.equal_time[metric] = st.mean_se(_values(method, metric, "time", common))
+    return method

@@ -1,0 +1,197 @@
+"""Plans the jobs of a comparison, runs those that are not in the cache, and collects the results."""
+
+import json
+from dataclasses import dataclass, field, replace
+
+from harness import UserError, reference, render, scenes
+from harness.jobs import Job, Method, digest, seed_of
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the command line asks for."""
+
+    methods: tuple
+    scenes: tuple
+    size: tuple = (160, 90)
+    frames: int = 32
+    seeds: int = 8
+    base_seed: int = 0
+    bounces: int | None = None
+    environment: str | None = None
+    camera: int = 0
+    reference: str | None = None  # an EXR in place of the path tracer
+    reference_graph: str = "graphs/path_tracer.py"
+    reference_frames: int = 1024  # over all batches together
+    reference_batches: int = 16
+
+
+@dataclass
+class SceneRuns:
+    """Everything measured on one scene."""
+
+    scene: str
+    reference: dict
+    runs: dict  # method label -> results by seed, only of seeds that all methods finished
+    descriptions: dict  # method label -> graph description with the knobs as they were
+    warnings: list = field(default_factory=list)
+
+
+class Comparison:
+    """One comparison: prepare() checks it cheaply and whole, then run() renders and returns a SceneRuns each scene."""
+
+    def __init__(self, settings, cache, pool, display):
+        self.settings = settings
+        self.cache = cache
+        self.failures = []  # one line each
+        self.device = {}
+        self._pool = pool
+        self._display = display
+        labels = ["reference", *(method.label for method in settings.methods)]
+        for label in labels:
+            if labels.count(label) > 1:
+                raise UserError(f"two pictures would be called '{label}'; tell them apart with @label=NAME")
+
+    def prepare(self):
+        """Check scenes, graphs and knobs before anything long starts; raises UserError at the first mistake."""
+        settings = self.settings
+        self.code = code = render.code_version()
+        descriptions = {method.graph: json.dumps(render.describe_graph(method.graph), sort_keys=True)
+                        for method in self._all_methods()}
+        self.plans = []
+        for scene in settings.scenes:
+            base = Job(scene=scene, scene_hash=scenes.content_hash(scene, settings.environment), graph="", description="",
+                       size=settings.size, frames=settings.frames, seed=0, code=code, environment=settings.environment,
+                       camera=settings.camera, bounces=settings.bounces or scenes.bounce_cap(scene))
+            jobs = [self._job(base, method, descriptions[method.graph]) for method in self._all_methods()]
+            self.plans.append(self._plan(scene, jobs, self._probe(jobs)))
+
+    def _all_methods(self):
+        """The methods, and last the reference's graph unless the reference is a file."""
+        own = [] if self.settings.reference else [Method("reference", self.settings.reference_graph)]
+        return [*self.settings.methods, *own]
+
+    @staticmethod
+    def _job(base, method, description):
+        return replace(base, graph=method.graph, description=description, knobs=method.knobs, output=method.output,
+                       device=method.device, backend=method.backend, label=method.label)
+
+    def _probe(self, jobs):
+        """The knobs and device of each job, from the cache or a worker."""
+        keys = {job.label: digest(f"probe {job.key}".encode()) for job in jobs}
+        found = {label: self.cache.load(key) for label, key in keys.items()}
+        for job, failure, answer in self._pool.run([job for job in jobs if not found[job.label]], kind="probe"):
+            if failure:
+                raise UserError(failure)
+            found[job.label] = {"meta": answer}
+            self.cache.store(keys[job.label], found[job.label])
+        return {label: result["meta"] for label, result in found.items()}
+
+    def _plan(self, scene, jobs, probes):
+        """Reference jobs and method jobs of a scene, and what is to be said about them."""
+        warnings, batches, settings = [], [], self.settings
+        methods = [job for job in jobs if job.label != "reference"]
+        self.device.update({job.label: probes[job.label]["device"] for job in methods})
+        caps = {job.label: largest_knob(probes[job.label]["knobs"], "bounces") for job in methods}
+        filters = {job.label: largest_knob(probes[job.label]["knobs"], "jitter") for job in methods}
+        if not settings.reference:
+            job = jobs[-1]
+            own = probes["reference"]["knobs"]
+            cap = job.bounces or max((cap for cap in caps.values() if cap is not None), default=None)
+            jitter = next((value for value in filters.values() if value is not None), None)
+            knobs = (("jitter", jitter),) if largest_knob(own, "jitter") not in (None, jitter) and jitter is not None else ()
+            frames = max(1, settings.reference_frames // settings.reference_batches)
+            cap = cap if largest_knob(own, "bounces") is not None else None
+            batches = [replace(job, bounces=cap, knobs=knobs, frames=frames, label=f"reference {number + 1}",
+                               seed=seed_of(settings.base_seed, "reference", number))
+                       for number in range(settings.reference_batches)]
+            warnings += [f"{label}: its bounce cap is {own_cap}, the reference's {cap}: the difference counts as its error"
+                         for label, own_cap in caps.items() if own_cap not in (None, cap)]
+        if len(set(filters.values()) - {None}) > 1:
+            warnings.append("the methods differ in their pixel filter (knob jitter); the reference has the first one's")
+        knobs = {job.label: probes[job.label]["knobs"] for job in methods}
+        return {"scene": scene, "methods": methods, "batches": batches, "warnings": warnings, "knobs": knobs}
+
+    def seeds(self):
+        """The seeds of the runs: the same for every method, so that tests can be paired."""
+        return [seed_of(self.settings.base_seed, "run", number) for number in range(self.settings.seeds)]
+
+    def run(self):
+        """Render what is missing. Failures are kept in `failures`; a scene without a reference is left out."""
+        settings, results = self.settings, []
+        for plan in self.plans:
+            plan["jobs"] = [replace(job, seed=seed) for seed in self.seeds() for job in plan["methods"]]
+        self._display.start(sum(cost(job) for plan in self.plans for job in plan["batches"] + plan["jobs"]))
+        for plan in self.plans:
+            key, truth = self._reference(plan)
+            if truth is None:
+                self._display.skip(sum(cost(job) for job in plan["jobs"]))
+                continue
+            jobs = [replace(job, reference=key) for job in plan["jobs"]]
+            self.render(jobs)
+            results.append(self._collect(plan, truth, jobs))
+        self._display.stop()
+        return results
+
+    def _reference(self, plan):
+        if self.settings.reference:
+            return reference.from_exr(self.cache, self.settings.reference, self.settings.size)
+        batches = plan["batches"]
+        key = reference.key_of_batches(batches)
+        if truth := self.cache.load(key):
+            self._display.skip(sum(cost(job) for job in batches))
+            return key, truth
+        if self.render(batches):
+            self.failures.append(f"{plan['scene']}: left out: its reference failed")
+            return key, None
+        return key, reference.combine(self.cache, batches)
+
+    def render(self, jobs):
+        """Run the jobs that are not in the cache; returns how many failed, each already reported."""
+        missing = [job for job in jobs if not self.cache.path(job.key).exists() or self.cache.load(job.key) is None]
+        self._display.skip(sum(cost(job) for job in jobs) - sum(cost(job) for job in missing))
+        failed = 0
+        for job, failure, _ in self._pool.run(missing, on_tick=lambda job, frames: self._display.advance(
+                frames * cost(job) / job.frames, f"{job.label} on {job.scene}")):
+            if failure:
+                failed += 1
+                self.failures.append(f"{job.scene}, {job.label}, seed {job.seed}: {failure}")
+                self._display.message(f"failed: {self.failures[-1]}")
+        return failed
+
+    def _collect(self, plan, truth, jobs):
+        """Results by method, of the seeds that every method with any result finished: tests are paired by seed."""
+        results = {job.label: {} for job in jobs}
+        for job in jobs:
+            result = self.cache.load(job.key)
+            if result:
+                results[job.label][job.seed] = result
+        finished = {label: runs for label, runs in results.items() if runs}
+        seeds = [seed for seed in dict.fromkeys(job.seed for job in jobs)
+                 if all(seed in runs for runs in finished.values())]
+        runs = {label: [by_seed[seed] for seed in seeds] for label, by_seed in finished.items()} if seeds else {}
+        descriptions = {job.label: with_knobs(json.loads(job.description), plan["knobs"][job.label])
+                        for job in plan["methods"]}
+        warnings = list(plan["warnings"])
+        if len(seeds) < self.settings.seeds:
+            warnings.append(f"{self.settings.seeds - len(seeds)} of {self.settings.seeds} seeds are left out: a run failed")
+        for label, by_seed in runs.items():
+            if invalid := sum(result["meta"]["invalid"] for result in by_seed):
+                warnings.append(f"{label}: {invalid} pixels of its runs are NaN or infinite and left out of every mean")
+        return SceneRuns(plan["scene"], truth, runs, descriptions, warnings)
+
+
+def cost(job):
+    """The job's share of the whole work: pixels times frames."""
+    return job.size[0] * job.size[1] * job.frames
+
+
+def largest_knob(knobs, name):
+    """The largest value of knob `name` over all passes, or None when no pass has it."""
+    return max((values[name] for values in knobs.values() if name in values), default=None)
+
+
+def with_knobs(description, knobs):
+    """The description with every knob's actual value, defaults too."""
+    passes = [{**entry, "knobs": knobs.get(entry["name"], entry.get("knobs", {}))} for entry in description["passes"]]
+    return {**description, "passes": passes}

@@ -1,0 +1,56 @@
+"""Progress on standard error: a bar with the time left on a terminal, now and then a line elsewhere."""
+
+import sys
+import time
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+SECONDS_BETWEEN_LINES = 20
+
+
+class Display:
+    """Counts work in pixels times frames; work found in the cache does not count for the speed."""
+
+    def __init__(self, stream=sys.stderr):
+        self._console = Console(file=stream)
+        self._bar = None
+        self._total = self._done = 0.0
+        self._started = self._printed = time.monotonic()
+
+    def start(self, total):
+        """Begin a stretch of `total` work."""
+        self._total, self._done, self._rendered = total, 0.0, 0.0
+        self._started = self._printed = time.monotonic()
+        if self._console.is_terminal:
+            self._bar = Progress(TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn(),
+                                 TextColumn("left"), TimeRemainingColumn(), console=self._console, transient=True,
+                                 speed_estimate_period=120)
+            self._task = self._bar.add_task("", total=total)
+            self._bar.start()
+
+    def skip(self, work):
+        """Some of the work need not be done."""
+        self._total -= work
+        if self._bar:
+            self._bar.update(self._task, total=max(self._total, 1e-9))
+
+    def advance(self, work, description):
+        """Some work was done."""
+        self._done += work
+        if self._bar:
+            self._bar.update(self._task, advance=work, description=description[-60:])
+        elif time.monotonic() - self._printed > SECONDS_BETWEEN_LINES:
+            self._printed = time.monotonic()
+            left = (self._printed - self._started) * (self._total - self._done) / self._done
+            self.message(f"{100 * self._done / self._total:.0f}% rendered, {left / 60:.1f} min left ({description})")
+
+    def message(self, text):
+        """Print a line that stays."""
+        self._console.print(text, highlight=False, markup=False, soft_wrap=True)
+
+    def stop(self):
+        """End the stretch; the bar goes away."""
+        if self._bar:
+            self._bar.stop()
+            self._bar = None

@@ -1,0 +1,173 @@
+"""Findings as rows of text: for the terminal, the CSV files and the report."""
+
+import csv
+import io
+import math
+import os
+from pathlib import Path
+
+import rich.box
+from rich.console import Console
+from rich.table import Table
+
+from harness import statistics as st
+from harness.analysis import METRICS
+
+TITLES = {"mape": "MAPE", "relmse": "relMSE", "bias": "bias"}
+
+
+def with_error(value, error, scale=1.0, unit=""):
+    """`1.234 ± 0.012`: the error to two digits, the value to as many places."""
+    value, error = value * scale, error * scale
+    if math.isnan(value):
+        return "—"
+    if math.isnan(error) or error <= 0:
+        return f"{value:.4g}{unit}"
+    places = min(12, max(0, 1 - math.floor(math.log10(error))))
+    if places > 6:
+        return f"{value:.3g} ± {error:.1g}{unit}"
+    return f"{value:.{places}f} ± {error:.{places}f}{unit}"
+
+
+def verdict(method, baseline, metric, mode):
+    """How the method's error compares with the baseline's: ratio of means and a word; the word needs p < LEVEL."""
+    kind = (metric, mode)
+    if not method.against:
+        return "baseline"
+    values = method.equal_frame if mode == "frame" else method.equal_time
+    own, other = values[metric][0], (baseline.equal_frame if mode == "frame" else baseline.equal_time)[metric][0]
+    ratio = f"×{own / other:.3f} " if other > 0 and own > 0 else ""
+    p = method.adjusted[kind]
+    if math.isnan(p):
+        return f"{ratio}not tested"
+    if p >= st.LEVEL:
+        return f"{ratio}not different (p = {p:.2g})"
+    return f"{ratio}{'lower' if method.against[kind].difference < 0 else 'higher'} (p = {max(p, 1e-99):.1g})"
+
+
+def is_significant(text):
+    """Whether a verdict or bias cell claims a difference."""
+    return any(word in text for word in ("lower (", "higher (", "biased ("))
+
+
+def bias_cell(method):
+    """The signed bias of the picture's mean, and whether it or any block's differs from none."""
+    text = with_error(method.bias.difference, method.bias.se, 100, "%")
+    p = method.adjusted["bias"]
+    if math.isnan(p):
+        return f"{text} not tested"
+    return f"{text} {'biased' if p < st.LEVEL else 'none found'} (p = {max(p, 1e-99):.1g})"
+
+
+def block_cell(method):
+    """How many 8x8 blocks are biased after correction over all blocks, methods and scenes."""
+    p = method.adjusted["blocks"]
+    if math.isnan(p):
+        return "not tested"
+    if p >= st.LEVEL:
+        return f"none of {method.block_p.size} (p = {p:.2g})"
+    count = int((method.block_p * method.block_p.size < st.LEVEL).sum())
+    return f"{count} of {method.block_p.size} biased (p = {max(p, 1e-99):.1g})"
+
+
+def equal_tables(scene):
+    """[(title, header, rows)] of the errors at equal frames and at equal time."""
+    tables = []
+    frames = int(scene.methods[0].frames[-1])
+    for mode, title in (("frame", f"Equal frames: after {frames}"),
+                        ("time", f"Equal time: after {scene.common_ms / 1e3:.3g} s of GPU time")):
+        header, rows = ["method"], []
+        header += [text for metric in METRICS for text in (TITLES[metric], "against the first")]
+        header += ["GPU ms/frame", "wall ms/frame"] if mode == "frame" else ["frames"]
+        for method in scene.methods:
+            values = method.equal_frame if mode == "frame" else method.equal_time
+            row = [method.label]
+            for metric in METRICS:
+                scale, unit = (100, "%") if metric == "mape" else (1, "")
+                row += [with_error(*values[metric], scale, unit), verdict(method, scene.methods[0], metric, mode)]
+            if mode == "frame":
+                row += [with_error(*st.mean_se(times[:, -1] / frames)) for times in (method.gpu_ms, method.wall_ms)]
+            else:
+                row.append(f"{sum(st.at_time(t, method.frames, scene.common_ms) for t in method.gpu_ms) / len(method.gpu_ms):.3g}")
+            rows.append(row)
+        tables.append((title, header, rows))
+    return tables
+
+
+def quality_table(scene):
+    """(title, header, rows) of bias and correlation."""
+    header = ["method", "bias of the mean", "smallest detectable", "8×8 blocks", "blotches, one frame",
+              "blotches, picture", "boiling, lag 1"]
+    rows = [[method.label, bias_cell(method),
+             f"{100 * method.bias.smallest_detectable(max(1, scene.tests)):.2g}%" if method.bias.dof else "—",
+             block_cell(method), with_error(*method.spatial_frame), with_error(*method.spatial_image),
+             with_error(*method.temporal)] for method in scene.methods]
+    return "Bias and correlation", header, rows
+
+
+def reference_line(scene):
+    """What is known of the reference, in one line."""
+    meta = scene.reference["meta"]
+    if not meta["batches"]:
+        return f"reference: {meta['source']}, taken as exact: its own error is not known"
+    return (f"reference: {meta['source']}, {meta['batches']} batches of {meta['frames']} frames; standard error of its mean "
+            f"{100 * scene.noise['relative_se']:.2g}%; its noise is {scene.noise['relmse']:.2g} of relMSE (subtracted) and a "
+            f"floor of {100 * scene.noise['mape']:.2g}% under MAPE (not subtracted)")
+
+
+def as_text(findings, width=None):
+    """The tables of all scenes for a terminal; the same findings give the same text."""
+    stream = io.StringIO()
+    console = Console(file=stream, width=width or 170)
+    for scene in findings:
+        console.print(f"\n{scene.scene}  ({scene.seeds} seeds)", style="bold", highlight=False)
+        console.print(reference_line(scene), highlight=False)
+        for warning in scene.warnings:
+            console.print(f"warning: {warning}", highlight=False)
+        for title, header, rows in [*equal_tables(scene), quality_table(scene)]:
+            table = Table(title=title, box=rich.box.SIMPLE_HEAD, title_justify="left")
+            for number, name in enumerate(header):
+                table.add_column(name, justify="left" if number == 0 else "right", overflow="fold")
+            for row in rows:
+                table.add_row(*row)
+            console.print(table, highlight=False)
+    console.print(f"Errors are ± one standard error over seeds. Tests are paired by seed; words are at {100 * st.LEVEL:.0f}% "
+                  "over the whole family (Holm).", highlight=False)
+    return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
+
+
+def _write(path, header, rows):
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    with open(temporary, "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        writer.writerows(rows)
+    os.replace(temporary, path)
+
+
+def write_csv(findings, folder):
+    """Write runs.csv (every seed and measured frame) and summary.csv (every method) into `folder`."""
+    folder = Path(folder)
+    names = ("mape", "relmse", "bias")
+    rows = [[scene.scene, method.label, seed, int(frame), *(f"{method.curves[name][seed, at]:.9g}" for name in names),
+             f"{method.gpu_ms[seed, at]:.6g}", f"{method.wall_ms[seed, at]:.6g}"]
+            for scene in findings for method in scene.methods
+            for seed in range(scene.seeds) for at, frame in enumerate(method.frames)]
+    _write(folder / "runs.csv", ["scene", "method", "seed", "frame", *names, "gpu_ms", "wall_ms"], rows)
+    header, rows = ["scene", "method", "common_gpu_ms"], []
+    for mode in ("frame", "time"):
+        for metric in METRICS:
+            header += [f"{metric}_{mode}", f"{metric}_{mode}_se", f"{metric}_{mode}_p"]
+    header += ["bias", "bias_se", "bias_p", "detectable_bias", "blocks_p", "spatial_frame", "spatial_frame_se",
+               "spatial_image", "spatial_image_se", "temporal", "temporal_se"]
+    for scene in findings:
+        for method in scene.methods:
+            row = [scene.scene, method.label, f"{scene.common_ms:.6g}"]
+            for mode, values in (("frame", method.equal_frame), ("time", method.equal_time)):
+                for metric in METRICS:
+                    row += [*values[metric], method.adjusted[metric, mode]]
+            row += [method.bias.difference, method.bias.se, method.adjusted["bias"],
+                    method.bias.smallest_detectable(max(1, scene.tests)), method.adjusted["blocks"], *method.spatial_frame,
+                    *method.spatial_image, *method.temporal]
+            rows.append([value if isinstance(value, str) else f"{float(value):.9g}" for value in row])
+    _write(folder / "summary.csv", header, rows)

@@ -1,0 +1,144 @@
+"""Stands in for the renderer in tests of the harness: noise of known mean, variance and correlation.
+
+A scene is any file; a graph is JSON whose pass "paths" has the knobs of DEFAULTS. Times are made up and depend on
+nothing but knobs, so that whole tables can be compared.
+"""
+
+import json
+import os
+import signal
+import time
+from pathlib import Path
+
+import numpy as np
+
+DEFAULTS = {
+    "bounces": 4,
+    "noise": 1.0,  # standard deviation of a pixel's single frame over its mean
+    "gain": 1.0,  # of the mean: an error of energy
+    "blotch": 0,  # > 0: noise is shared by blocks of this many pixels
+    "memory": 0.0,  # autocorrelation of a pixel's frames at lag 1
+    "ms": 2.0,  # per frame
+    "sleep": 0.0,  # seconds a frame really takes
+    "crash_seed": -1,  # the run with this seed ends the process
+    "fail_seed": -1,  # the run with this seed raises
+}
+
+
+class Error(Exception):
+    """As restirpg.Error."""
+
+
+class _Graph:
+    def __init__(self, description):
+        self.description = description
+
+
+def load_scene(file, camera=0, environment=None):
+    """The file's name is all there is to it."""
+    if "broken" in Path(file).name:
+        raise Error(f"{file}: not a scene")
+    return file
+
+
+def load_graph(file):
+    """A JSON graph."""
+    return _Graph(json.loads(Path(file).read_text()))
+
+
+def truth(width, height):
+    """The picture that every unbiased run converges to."""
+    y, x = np.mgrid[0:height, 0:width]
+    return (0.2 + 0.1 * np.sin(x / 5)[..., None] * np.cos(y / 7)[..., None]) * np.array([1.0, 0.8, 0.6])
+
+
+class Renderer:
+    """As restirpg.Renderer, as far as the harness uses it."""
+
+    output_names = ["image"]
+    device_info = {"name": "fake device", "driver": "1", "backend": "none"}
+
+    def __init__(self, scene, graph, size, seed=0, device=None, backend=None):
+        self._size, self._seed = size, seed
+        self._knobs = {"paths": dict(DEFAULTS)}
+        for entry in graph.description["passes"]:
+            self._knobs.setdefault(entry["name"], {}).update(entry.get("knobs", {}))
+        self.cut()
+
+    def cut(self):
+        """Forget all frames."""
+        self._frames, self._sum, self._noise = 0, 0.0, 0.0
+        self._random = np.random.default_rng(self._seed)
+
+    def knobs(self):
+        """Every knob's value."""
+        return self._knobs
+
+    def set(self, path, value):
+        """Set "pass.knob"."""
+        name, knob = path.split(".")
+        if knob not in self._knobs.get(name, {}):
+            raise Error(f"no knob '{path}'")
+        self._knobs[name][knob] = value
+
+    def set_everywhere(self, knob, value):
+        """How many passes have the knob."""
+        having = [knobs for knobs in self._knobs.values() if knob in knobs]
+        for knobs in having:
+            knobs[knob] = value
+        return len(having)
+
+    def render(self, count):
+        """Add `count` frames."""
+        knobs = self._knobs["paths"]
+        width, height = self._size
+        if self._seed == knobs["fail_seed"]:
+            raise Error("the device was lost")
+        if self._seed == knobs["crash_seed"] and self._frames > 1:
+            os.kill(os.getpid(), signal.SIGSEGV)
+        for _ in range(count):
+            time.sleep(knobs["sleep"])
+            size = knobs["blotch"] or 1
+            fresh = self._random.gamma(1, 1, (-(-height // size), -(-width // size), 1)) - 1
+            fresh = fresh.repeat(size, axis=0).repeat(size, axis=1)[:height, :width] * knobs["noise"]
+            old = knobs["memory"] if self._frames else 0.0
+            self._noise = old * self._noise + np.sqrt(1 - old ** 2) * fresh
+            self._sum = self._sum + truth(width, height) * knobs["gain"] * (1 + self._noise)
+            self._frames += 1
+
+    def output(self, name):
+        """The mean of all frames."""
+        return (self._sum / self._frames).astype(np.float32)
+
+    def total_gpu_times(self):
+        """Summed since the last cut."""
+        return {"gbuffer": 0.25 * self._frames, "paths": self._knobs["paths"]["ms"] * self._frames}
+
+    def memory(self):
+        """Bytes by resource."""
+        return {"scene": 1 << 20, "accumulate.sums": 16 * self._size[0] * self._size[1]}
+
+
+def measure_errors(image, reference):
+    """As restirpg.measure_errors."""
+    image, reference = image.astype(float), reference.astype(float)
+    y = reference @ np.array([0.2126, 0.7152, 0.0722])
+    difference = image - reference
+    return {"mape": np.mean(np.abs(difference) / (0.01 * y.mean() + y)[..., None]),
+            "relmse": np.mean(difference ** 2 / (reference ** 2 + 0.01)), "rmse": np.sqrt(np.mean(difference ** 2)),
+            "bias": (image.mean() - reference.mean()) / reference.mean(), "invalid": 0}
+
+
+def read_exr(file):
+    """What write_exr wrote."""
+    try:
+        with open(file, "rb") as stream:
+            return np.load(stream)[..., :3]
+    except (OSError, ValueError) as error:
+        raise Error(f"{file}: cannot be read: {error}") from None
+
+
+def write_exr(file, layers, half=False, attributes={}):
+    """The first layer as .npy, whatever the name says."""
+    with open(file, "wb") as stream:
+        np.save(stream, next(iter(layers.values())))
