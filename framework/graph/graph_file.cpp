@@ -7,7 +7,9 @@
 #include "core/process.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 
@@ -21,12 +23,11 @@ constexpr int MAXIMUM_DEPTH = 64;
 
 std::string readText(const fs::path& file)
 {
-    if (fs::is_directory(file))
-        fail("{}: a folder, not a graph file (.py or .json)", file.string());
     std::ifstream stream(file, std::ios::binary);
     std::ostringstream text;
-    if (!stream || (stream.peek() != std::ifstream::traits_type::eof() && !(text << stream.rdbuf())))
-        fail("{}: cannot read the graph file; check its name and permissions", file.string());
+    if (!stream || fs::is_directory(file))
+        fail("{}: cannot read the graph file: {}", file.string(), std::strerror(stream ? EISDIR : errno));
+    text << stream.rdbuf();
     return text.str();
 }
 
@@ -58,9 +59,15 @@ std::string evaluate(const fs::path& file)
     std::string modules = pythonFolder().string();
     if (const char* inherited = std::getenv("PYTHONPATH"))
         modules += std::string(":") + inherited;
-    // -B: leave no __pycache__ in the user's folder.
-    const auto result = runProcess({pythonInterpreter().string(), "-B", "-m", "restirpg.evaluate", file.string()},
-                                   {{"PYTHONPATH", modules}, {"PYTHONIOENCODING", "utf-8"}});
+    const auto result = [&] {
+        try {
+            // -B: leave no __pycache__ in the user's folder.
+            return runProcess({pythonInterpreter().string(), "-B", "-m", "restirpg.evaluate", file.string()},
+                              {{"PYTHONPATH", modules}, {"PYTHONIOENCODING", "utf-8"}});
+        } catch (const Error& error) {
+            fail("{}: {}; RESTIRPG_PYTHON names the interpreter", file.string(), error.what());
+        }
+    }();
     std::string errors = result.errors;
     while (!errors.empty() && errors.back() == '\n')
         errors.pop_back();

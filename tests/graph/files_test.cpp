@@ -1,0 +1,201 @@
+// Graph files, Python and JSON, good and bad, and plugin libraries, good and bad.
+#include "core/error.h"
+#include "core/nearest.h"
+#include "core/process.h"
+#include "graph/graph.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+
+namespace restirpg {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A fresh folder of this test's own; the working directory, so that messages show relative paths.
+class GraphFile : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        std::string pattern = (fs::temp_directory_path() / "restirpg-graph-XXXXXX").string();
+        folder_ = mkdtemp(pattern.data());
+        fs::current_path(folder_);
+    }
+    void TearDown() override
+    {
+        fs::current_path("/");
+        fs::remove_all(folder_);
+    }
+
+    void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
+
+    std::string refusal(const fs::path& file)
+    {
+        try {
+            readGraphFile(file);
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return {};
+    }
+
+    /// The refusal of a Python graph file g.py with this text.
+    std::string python(const std::string& text)
+    {
+        write("g.py", text);
+        return refusal("g.py");
+    }
+
+    fs::path folder_;
+};
+
+const std::string IMPORT = "from restirpg import Graph, prev\n";
+
+TEST_F(GraphFile, PythonIsEvaluatedWithPlaces)
+{
+    write("g.py", IMPORT + "graph = Graph('G')\n"
+                           "a = graph.add('a', 'A', bounces=3, guide=None,\n"
+                           "              history=prev('a.sums'))\n"
+                           "graph.output('image', a.mean)\n");
+    const auto description = readGraphFile("g.py");
+    EXPECT_EQ(description, nlohmann::json::parse(R"({"name": "G", "file": "g.py",
+        "passes": [{"name": "a", "type": "A", "file": "g.py", "line": 3, "knobs": {"bounces": 3},
+                    "inputs": {"guide": null, "history": {"pass": "a", "output": "sums", "delayed": true}}}],
+        "outputs": [{"name": "image", "pass": "a", "output": "mean", "file": "g.py", "line": 5}]})"));
+}
+
+TEST_F(GraphFile, WhatPythonPrintsDoesNotSpoilTheDescription)
+{
+    EXPECT_EQ(python(IMPORT + "print('hello')\ngraph = Graph('G')\n"), "");
+}
+
+TEST_F(GraphFile, PythonMistakesAreOneLocatedLine)
+{
+    EXPECT_EQ(python(IMPORT + "graph = Grap('G')\n"), "g.py:2: NameError: name 'Grap' is not defined");
+    EXPECT_EQ(python("x = (\n"), "g.py:1: SyntaxError: '(' was never closed");
+    EXPECT_EQ(python("import sys\nsys.exit(0)\n"), "g.py:2: SystemExit: 0");
+    EXPECT_EQ(python(""), "g.py:1: the file has no variable 'graph'; end it with graph = ..., a restirpg.Graph");
+    EXPECT_EQ(python("graph = 3\n"), "g.py:1: the file has a int in its variable 'graph'; end it with graph = ..., a restirpg.Graph");
+}
+
+TEST_F(GraphFile, AnInterpreterThatDiesIsNamed)
+{
+    EXPECT_NE(python("import os\nos.abort()\n").find("ended with code 134 while evaluating the graph file"), std::string::npos);
+}
+
+TEST_F(GraphFile, AMissingInterpreterIsNamed)
+{
+    write("g.py", IMPORT);
+    setenv("RESTIRPG_PYTHON", "/no/such/python3", 1);
+    const auto message = refusal("g.py");
+    unsetenv("RESTIRPG_PYTHON");
+    EXPECT_EQ(message, "g.py: cannot start /no/such/python3: No such file or directory; RESTIRPG_PYTHON names the interpreter");
+}
+
+TEST_F(GraphFile, UnreadableFilesAreNamed)
+{
+    fs::create_directory("folder.py");
+    write("g.txt", "");
+    write("empty.json", " \n");
+    EXPECT_EQ(refusal("none.py"), "none.py: cannot read the graph file: No such file or directory");
+    EXPECT_EQ(refusal("folder.py"), "folder.py: cannot read the graph file: Is a directory");
+    EXPECT_EQ(refusal("g.txt"), "g.txt: a graph file ends in .py or .json");
+    EXPECT_EQ(refusal("empty.json"), "empty.json: the file is empty; a graph is an object with \"name\", \"passes\" and \"outputs\"");
+}
+
+TEST_F(GraphFile, BrokenJsonIsLocated)
+{
+    write("g.json", "{\"name\": \"x\",\n \"passes\": [,]\n}");
+    EXPECT_EQ(refusal("g.json"), "g.json:2: not JSON: syntax error while parsing value - unexpected ','; "
+                                 "expected '[', '{', or a literal");
+    write("g.json", "{\"name\": \"\xff\"}");
+    EXPECT_TRUE(refusal("g.json").starts_with("g.json:1: not JSON: ")) << refusal("g.json");
+    write("g.json", std::string(100000, '['));
+    EXPECT_EQ(refusal("g.json"), "g.json: not a graph: nested deeper than 64 levels");
+    write("g.json", "{}");
+    EXPECT_EQ(refusal("g.json"), "g.json: the graph needs a text \"name\"");
+}
+
+/// The plugin folder built for these tests, and a fresh one with a file that is no library.
+class PluginLibraries : public GraphFile {
+protected:
+    void SetUp() override
+    {
+        GraphFile::SetUp();
+        write("restirpg-pass-Garbage.so", "not a library");
+        setenv("RESTIRPG_PLUGIN_PATH", (std::string(TEST_PLUGINS) + ":/no/such/folder:" + folder_.string()).c_str(), 1);
+    }
+    void TearDown() override
+    {
+        unsetenv("RESTIRPG_PLUGIN_PATH");
+        GraphFile::TearDown();
+    }
+};
+
+TEST_F(PluginLibraries, AGoodOneIsFoundAndDescribesItself)
+{
+    const Plugins plugins;
+    const auto* good = plugins.find("Good");
+    ASSERT_NE(good, nullptr) << plugins.problem("Good");
+    Interface interface;
+    good->entry->create()->describe(interface);
+    EXPECT_STREQ(good->entry->meaning, "Does nothing, well");
+    EXPECT_EQ(good->library, fs::path(TEST_PLUGINS) / "restirpg-pass-Good.so");
+}
+
+TEST_F(PluginLibraries, BrokenOnesAreNamedWhenAskedForAndSpoilNoOther)
+{
+    const Plugins plugins;
+    const auto problem = [&](const std::string& name) {
+        EXPECT_EQ(plugins.find(name), nullptr);
+        return plugins.problem(name);
+    };
+    const std::string folder = TEST_PLUGINS;
+    EXPECT_EQ(problem("WrongAbi"), folder + "/restirpg-pass-WrongAbi.so: built for plugin ABI " + std::to_string(PLUGIN_ABI + 1) +
+                                       ", this framework has " + std::to_string(PLUGIN_ABI) + "; rebuild the pass");
+    EXPECT_EQ(problem("Empty"), folder + "/restirpg-pass-Empty.so: it exports no pass; its source must end with "
+                                         "RESTIRPG_PASS(Empty, \"...\")");
+    EXPECT_EQ(problem("Misnamed"), folder + "/restirpg-pass-Misnamed.so: it contains the pass 'Renamed'; name the file "
+                                            "restirpg-pass-Renamed.so");
+    EXPECT_TRUE(problem("Garbage").ends_with("restirpg-pass-Garbage.so: file too short; rebuild the pass against this framework"))
+        << problem("Garbage");
+    EXPECT_EQ(problem("None"), "");
+    EXPECT_NE(plugins.find("Good"), nullptr);
+}
+
+TEST_F(PluginLibraries, ABrokenOneIsAMistakeOfTheGraphThatAsksForIt)
+{
+    write("g.py", IMPORT + "graph = Graph('G')\ngraph.output('image', graph.add('a', 'Empty').mean)\n");
+    try {
+        Graph(readGraphFile("g.py"), Plugins());
+        FAIL() << "a broken plugin was accepted";
+    } catch (const Error& error) {
+        EXPECT_EQ(std::string(error.what()), "g.py:3: pass type 'Empty' cannot be loaded: " + std::string(TEST_PLUGINS) +
+                                                 "/restirpg-pass-Empty.so: it exports no pass; its source must end with "
+                                                 "RESTIRPG_PASS(Empty, \"...\")");
+    }
+}
+
+TEST(Process, ReadsBothStreamsWhateverTheirSize)
+{
+    const auto result = runProcess({"sh", "-c", "head -c 300000 /dev/zero >&2; head -c 200000 /dev/zero; echo $GREETING; exit 3"},
+                                   {{"GREETING", "hello"}});
+    EXPECT_EQ(result.exitCode, 3);
+    EXPECT_EQ(result.errors.size(), 300000u);
+    EXPECT_EQ(result.output.substr(200000), "hello\n");
+}
+
+TEST(Nearest, CountsEdits)
+{
+    EXPECT_EQ(editDistance("guiding", "guide"), 3u);
+    EXPECT_EQ(editDistance("", "abc"), 3u);
+    EXPECT_EQ(editDistance("same", "same"), 0u);
+    EXPECT_EQ(nearest("guiding", {"surface", "guide"}), "guide");
+    EXPECT_EQ(nearest("zzz", {"surface", "guide"}), "");
+    EXPECT_EQ(nearest("x", {}), "");
+}
+
+}  // namespace
+}  // namespace restirpg

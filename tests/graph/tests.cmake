@@ -1,0 +1,16 @@
+restirpg_test(graph_test SOURCES graph/graph_test.cpp graph/mistakes_test.cpp LINKS restirpg_core restirpg_graph)
+restirpg_test(graph_files_test SOURCES graph/files_test.cpp LINKS restirpg_core restirpg_graph)
+
+# Plugin libraries, one good and several broken, in a folder that only this test searches.
+set(TEST_PLUGINS ${PROJECT_BINARY_DIR}/tests/plugins)
+foreach(plugin Good WrongAbi Empty Misnamed)
+    add_library(restirpg-pass-${plugin} MODULE graph/plugin.cpp)
+    set_target_properties(restirpg-pass-${plugin} PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${TEST_PLUGINS})
+    target_include_directories(restirpg-pass-${plugin} PRIVATE ${PROJECT_SOURCE_DIR}/framework)
+    target_link_libraries(restirpg-pass-${plugin} PRIVATE nlohmann_json::nlohmann_json)
+    add_dependencies(graph_files_test restirpg-pass-${plugin})
+endforeach()
+target_compile_definitions(restirpg-pass-Good PRIVATE TEST_PLUGIN_NAME="Good" TEST_PLUGIN_ABI_OFFSET=0)
+target_compile_definitions(restirpg-pass-WrongAbi PRIVATE TEST_PLUGIN_NAME="WrongAbi" TEST_PLUGIN_ABI_OFFSET=1)
+target_compile_definitions(restirpg-pass-Misnamed PRIVATE TEST_PLUGIN_NAME="Renamed" TEST_PLUGIN_ABI_OFFSET=0)
+target_compile_definitions(graph_files_test PRIVATE TEST_PLUGINS="${TEST_PLUGINS}")
