@@ -45,7 +45,7 @@ mesa_is_old()
 backports_entry()
 {
     local suite=$1 entry
-    entry=$(cat "$apt_folder"/sources.list.d/*.sources 2>/dev/null | grep -v '^#' | awk -v suite="$suite" '
+    entry=$(awk 'FNR == 1 {print ""} !/^#/' "$apt_folder"/sources.list.d/*.sources 2>/dev/null | awk -v suite="$suite" '
         BEGIN {RS = ""}
         /(^|\n)Types:[^\n]*deb( |\n|$)/ && $0 ~ "(^|\n)Suites:([^\n]* )?" suite "( |\n|$)" && !/(^|\n)Enabled: *no/ {
             sub(/(^|\n)Types:[^\n]*/, "\nTypes: deb")
@@ -140,7 +140,7 @@ probe()
 check_elsewhere()
 {
     local names name kind what missing=()
-    names=" $(package_names "$1" | tr '\n' ' ')"
+    names=" $(package_names "${1:-}" | tr '\n' ' ')"
     while read -r name kind what; do
         [[ $names != *" $name "* ]] || probe "$kind" "$what" || missing+=("$name")
     done < <(grep -v '^#' "$root/scripts/packages.txt")

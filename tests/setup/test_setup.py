@@ -1,0 +1,108 @@
+"""The set-up's decisions, on samples: which apt entry gives the backports, what is missing, how it fails."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def shell(script, expect=0, **variables):
+    """Run a script after sourcing scripts/setup.sh."""
+    result = subprocess.run(["bash", "-c", f". {ROOT}/scripts/setup.sh; {script}"], text=True, capture_output=True,
+                            env=os.environ | {k: str(v) for k, v in variables.items()}, timeout=60)
+    assert result.returncode == expect, result.stderr
+    return result
+
+
+def backports(folder):
+    return shell("backports_entry bookworm", RESTIRPG_APT_FOLDER=folder).stdout
+
+
+@pytest.fixture
+def apt(tmp_path):
+    (tmp_path / "sources.list.d").mkdir()
+    return tmp_path
+
+
+def test_one_line_entry_keeps_mirror_and_options(apt):
+    (apt / "sources.list").write_text(
+        "# deb http://commented.example/debian bookworm main\n"
+        "deb cdrom:[Debian 12]/ bookworm main\n"
+        "deb http://mirror.example/security bookworm-security main\n"
+        "deb [arch=amd64 signed-by=/usr/share/keyrings/a.gpg] http://mirror.example/debian bookworm main contrib\n")
+    assert backports(apt) == ("list\ndeb [arch=amd64 signed-by=/usr/share/keyrings/a.gpg] "
+                              "http://mirror.example/debian bookworm-backports main\n")
+
+
+def test_deb822_entry_keeps_mirror_and_keyring(apt):
+    (apt / "sources.list.d/debian.sources").write_text(
+        "Types: deb\nURIs: http://mirror.example/security\nSuites: bookworm-security\nComponents: main\n"
+        "\n"
+        "Types: deb deb-src\n# http://commented.example/\nURIs: http://mirror.example/debian\n"
+        "Suites: bookworm bookworm-updates\nComponents: main contrib\nSigned-By: /usr/share/keyrings/a.gpg\n")
+    assert backports(apt) == (
+        "sources\nTypes: deb\nURIs: http://mirror.example/debian\nSuites: bookworm-backports\n"
+        "Components: main\nSigned-By: /usr/share/keyrings/a.gpg\n")
+
+
+def test_deb822_files_are_not_run_together(apt):
+    (apt / "sources.list.d/a.sources").write_text(
+        "Types: deb\nURIs: http://other.example/\nSuites: nodistro\nComponents: main\nSigned-By: /b.gpg\n")
+    (apt / "sources.list.d/debian.sources").write_text(
+        "Types: deb\nURIs: http://mirror.example/debian\nSuites: bookworm\nComponents: main\n")
+    assert backports(apt) == ("sources\nTypes: deb\nURIs: http://mirror.example/debian\n"
+                              "Suites: bookworm-backports\nComponents: main\n")
+
+
+def test_deb822_entry_keeps_an_embedded_key(apt):
+    key = "Signed-By:\n -----BEGIN PGP PUBLIC KEY BLOCK-----\n .\n abc\n -----END PGP PUBLIC KEY BLOCK-----\n"
+    (apt / "sources.list.d/debian.sources").write_text(
+        f"Types: deb\nURIs: http://mirror.example/debian\nSuites: bookworm\nComponents: main\n{key}")
+    assert backports(apt).endswith(f"Suites: bookworm-backports\nComponents: main\n{key}")
+
+
+def test_entries_that_are_off_or_of_another_suite_are_passed_over(apt):
+    (apt / "sources.list.d/a.sources").write_text(
+        "Enabled: no\nTypes: deb\nURIs: http://off.example/debian\nSuites: bookworm\nComponents: main\n")
+    (apt / "sources.list.d/b.sources").write_text(
+        "Types: deb-src\nURIs: http://source.example/debian\nSuites: bookworm\nComponents: main\n")
+    (apt / "sources.list").write_text("deb http://mirror.example/debian trixie main\n")
+    assert backports(apt) == ""
+
+
+def test_no_apt_entry_is_one_clear_line(apt):
+    result = shell("add_backports bookworm", expect=2, RESTIRPG_APT_FOLDER=apt)
+    assert result.stderr == ("setup: no apt entry of suite bookworm to take a mirror from; "
+                             "add the suite bookworm-backports and start again\n")
+
+
+def test_missing_packages_are_named_among_installed_ones():
+    assert shell("printf 'dpkg\\nrestirpg-no-such-package\\nbash\\n' | not_installed").stdout == "restirpg-no-such-package\n"
+
+
+def test_the_browser_is_for_the_tests_only():
+    assert "chromium" not in shell("package_names").stdout.split()
+    assert "chromium" in shell("package_names tests").stdout.split()
+
+
+def test_other_systems_get_the_list_of_what_is_missing(tmp_path):
+    """The probes of every listed package succeed here, where all are installed; an unknown one is named."""
+    assert shell("check_elsewhere tests").stderr == ""
+    (tmp_path / "scripts").mkdir()
+    (tmp_path / "scripts/packages.txt").write_text(
+        "bash command bash\nnosuch command restirpg-no-such-command\nnoheader header restirpg/none.h\n"
+        "nomodule module restirpg_no_such_module\n")
+    result = shell(f"root={tmp_path}; check_elsewhere", expect=2)
+    assert result.stderr.endswith("then start again: nosuch noheader nomodule\n")
+    assert len(result.stderr.splitlines()) == 1
+
+
+def test_a_start_with_nothing_missing_calls_no_package_manager(tmp_path):
+    """Programs that would touch the network are replaced by ones that fail."""
+    for name in ("apt-get", "apt-cache", "sudo", "curl"):
+        (tmp_path / name).write_text("#!/bin/sh\necho called >&2\nexit 1\n")
+        (tmp_path / name).chmod(0o755)
+    assert shell("install_packages tests", PATH=f"{tmp_path}:{os.environ['PATH']}").stderr == ""
