@@ -222,6 +222,8 @@ Device::Device(const DeviceOptions& options)
     refuseIncomplete(description_);
     backend_ = chooseBackend(description_, options.backend);
     isCpu_ = description_.type == "CPU";
+    setKernelDefine("RESTIRPG_RAY_QUERY", backend_ == Backend::rayQuery ? "1" : "0");
+    setKernelDefine("RESTIRPG_ALPHA_MASK", "0");
 
     const uint32_t family = computeQueueFamily(physical_);
     device_ = createLogicalDevice(physical_, family, backend_ == Backend::rayQuery);

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -78,6 +79,10 @@ public:
     /// Record commands, submit them and wait. Throws when a validation message came up meanwhile.
     void submit(const std::function<void(VkCommandBuffer)>& record);
 
+    /// A preprocessor definition that every kernel built from now on gets (the back end, what the scene needs).
+    void setKernelDefine(const std::string& name, const std::string& value) { kernelDefines_[name] = value; }
+    const std::map<std::string, std::string>& kernelDefines() const { return kernelDefines_; }
+
     /// Bytes of device memory allocated now.
     uint64_t allocatedBytes() const { return allocatedBytes_; }
 
@@ -115,6 +120,7 @@ private:
     uint64_t allocatedBytes_ = 0;
     VkPhysicalDeviceMemoryProperties memory_{};
     std::vector<std::string> messages_;
+    std::map<std::string, std::string> kernelDefines_;
 };
 
 /// Bytes of push constants that a kernel's parameters may take: what every Vulkan device has.

@@ -6,8 +6,9 @@ namespace restirpg {
 
 Kernel::Kernel(Device& device, const std::filesystem::path& file, const Defines& defines) : device_(&device)
 {
-    Defines all = defines;
-    all["RESTIRPG_RAY_QUERY"] = device.backend() == Backend::rayQuery ? "1" : "0";
+    Defines all = device.kernelDefines();
+    for (const auto& [name, value] : defines)
+        all[name] = value;
     const auto spirv = compileShader(file, all);
     groupSize_ = localSize(spirv);
 

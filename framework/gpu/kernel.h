@@ -10,7 +10,7 @@ namespace restirpg {
 class Kernel {
 public:
     Kernel() = default;
-    /// `defines` are joined by RESTIRPG_RAY_QUERY (0 or 1) of the device's back end. Throws Error with the compiler's messages.
+    /// `defines` are joined by the device's own (Device::setKernelDefine). Throws Error with the compiler's messages.
     Kernel(Device& device, const std::filesystem::path& file, const Defines& defines = {});
     Kernel(Kernel&& other) noexcept { swap(other); }
     Kernel& operator=(Kernel&& other) noexcept

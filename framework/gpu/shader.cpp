@@ -37,7 +37,8 @@ class Includer final : public glslang::TShader::Includer {
 public:
     IncludeResult* includeLocal(const char* name, const char* from, size_t) override
     {
-        for (const fs::path& candidate : {fs::path(from).parent_path() / name, shaderFolder() / name})
+        // The library also by its folder, as C++ names it: a pass's Shared.h includes "shaders/frame_types.h".
+        for (const fs::path& candidate : {fs::path(from).parent_path() / name, shaderFolder() / name, shaderFolder().parent_path() / name})
             if (fs::is_regular_file(candidate)) {
                 auto text = std::make_unique<std::string>(readText(candidate));
                 const auto* contents = text.get();

@@ -144,17 +144,19 @@ struct SceneTable {
     float radius;  ///< m
 };
 
-/// A two-child BVH node. child < 0: leaf, first = ~child, count in the count field. 64 bytes.
+/// A two-child BVH node. A child >= 0 is the index of an inner node; a child < 0 is a leaf of count primitives from first on:
+/// child = ~(first << BVH_LEAF_BITS | count - 1). An unused child has an inverted box. 56 bytes.
 struct BvhNode {
     vec3 lower0;
-    int child0;
     vec3 upper0;
-    uint count0;
     vec3 lower1;
-    int child1;
     vec3 upper1;
-    uint count1;
+    int child0;
+    int child1;
 };
+RESTIRPG_CONST BVH_LEAF_BITS = 3u;
+/// Entries of the traversal stack: the deepest two-level path, one entry a level and one for the way out of an instance.
+RESTIRPG_CONST BVH_STACK = 64u;
 
 /// A triangle as traversal reads it (Moeller-Trumbore). 40 bytes.
 struct BvhTriangle {

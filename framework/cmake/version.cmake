@@ -1,0 +1,15 @@
+# Write render/version.cpp with the commit at hand; touched only when it changes. Run at every build.
+execute_process(COMMAND git -C ${SOURCE} describe --always --dirty=+ --abbrev=10 --exclude=*
+    OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+if(NOT commit)
+    set(commit unknown)
+endif()
+file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT
+"#include \"render/version.h\"
+
+namespace restirpg {
+
+const char* const COMMIT = \"@commit@\";
+
+}  // namespace restirpg
+")

@@ -1,0 +1,39 @@
+// Two-child bounding volume hierarchies for the software back end, built by Embree's BVH builder.
+#pragma once
+
+#include "shaders/scene_types.h"
+
+#include <span>
+#include <vector>
+
+namespace restirpg {
+
+struct Box {
+    glm::vec3 lower{1e30f};
+    glm::vec3 upper{-1e30f};
+
+    void extend(glm::vec3 p)
+    {
+        lower = glm::min(lower, p);
+        upper = glm::max(upper, p);
+    }
+};
+
+/// A hierarchy over boxes. Leaves refer to ranges of `order`.
+struct Bvh {
+    std::vector<BvhNode> nodes;  ///< the root first; at least one node
+    std::vector<uint32_t> order;  ///< input indices in leaf order; an index can stand more than once (spatial splits)
+};
+
+/// Surface-area-heuristic build (binned), at most maxLeafSize <= 2^BVH_LEAF_BITS primitives a leaf.
+/// Deterministic: the same input gives the same nodes in the same order.
+Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeafSize);
+
+/// The hierarchy of a triangle mesh with its triangles in leaf order.
+struct TriangleBvh {
+    std::vector<BvhNode> nodes;
+    std::vector<BvhTriangle> triangles;
+};
+TriangleBvh buildTriangleBvh(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles);
+
+}  // namespace restirpg

@@ -1,0 +1,264 @@
+#include "render/renderer.h"
+
+#include "core/error.h"
+#include "render/executor.h"
+#include "render/version.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace restirpg {
+namespace {
+
+/// The pose of a camera node; the target is one metre ahead.
+CameraPose poseOf(const CameraNode& camera, const glm::mat4& nodeToWorld)
+{
+    const glm::vec3 position(nodeToWorld[3]);
+    return {position, position - glm::normalize(glm::vec3(nodeToWorld[2])), glm::normalize(glm::vec3(nodeToWorld[1])),
+            camera.yfov};
+}
+
+/// A camera node's world matrix for a pose.
+glm::mat4 lookMatrix(const CameraPose& pose)
+{
+    const glm::vec3 back = pose.position - pose.target;
+    const glm::vec3 right = glm::cross(pose.up, back);
+    if (!(glm::length(back) > 0) || !(glm::length(right) > 0))
+        fail("the camera's target and up direction do not span a view; move the target away from the position and up out of line");
+    const glm::vec3 z = glm::normalize(back), x = glm::normalize(right);
+    return glm::mat4(glm::vec4(x, 0), glm::vec4(glm::cross(z, x), 0), glm::vec4(z, 0), glm::vec4(pose.position, 1));
+}
+
+void checkOptions(const RendererOptions& options)
+{
+    constexpr uint32_t LARGEST = 16384;
+    if (options.width < 1 || options.height < 1 || options.width > LARGEST || options.height > LARGEST)
+        fail("an image of {}x{} pixels cannot be rendered; each side is 1 to {}", options.width, options.height, LARGEST);
+}
+
+}  // namespace
+
+Renderer::Renderer(std::shared_ptr<const Scene> scene, std::unique_ptr<Graph> graph, const RendererOptions& options)
+    : options_(options), scene_(std::move(scene)), overrides_(scene_->nodes.size()), time_(options.time)
+{
+    checkOptions(options_);
+    device_ = std::make_unique<Device>(options_.device);
+    sceneGpu_ = std::make_unique<SceneGpu>(*device_, *scene_, poseNodes(*scene_, time_, overrides_));
+    executor_ = std::make_unique<Executor>(*device_, std::move(graph), options_.width, options_.height);
+}
+
+Renderer::~Renderer() = default;
+
+uint32_t Renderer::frame() const
+{
+    return executor_->frame();
+}
+
+const Graph& Renderer::graph() const
+{
+    return executor_->graph();
+}
+
+FrameConstants Renderer::constants() const
+{
+    FrameConstants constants{};
+    constants.scene = sceneGpu_->table();
+    const auto& node = scene_->cameras[scene_->camera];
+    const float aspect = float(options_.width) / float(options_.height);
+    const auto pose = poseNodes(*scene_, time_, overrides_);
+    CameraNode camera = node;
+    glm::mat4 toWorld = pose[node.node];
+    if (cameraOverride_) {
+        camera.yfov = cameraOverride_->yfov;
+        toWorld = lookMatrix(*cameraOverride_);
+    }
+    constants.camera = makeCamera(camera, toWorld, aspect);
+    constants.previousCamera = previousCamera_.value_or(constants.camera);
+    constants.size = {options_.width, options_.height};
+    constants.seed = options_.seed;
+    constants.time = time_;
+    return constants;
+}
+
+void Renderer::render(uint32_t frames)
+{
+    for (uint32_t i = 0; i < frames; ++i) {
+        sceneGpu_->update(poseNodes(*scene_, time_, overrides_));
+        const FrameConstants current = constants();
+        executor_->run(current, sceneGpu_->bindings());
+        previousCamera_ = current.camera;
+        if (options_.framesPerSecond > 0)
+            time_ += 1 / options_.framesPerSecond;
+    }
+}
+
+Image Renderer::output(const std::string& name)
+{
+    const auto& outputs = graph().outputs();
+    const auto found = std::find_if(outputs.begin(), outputs.end(), [&](const auto& output) { return output.name == name; });
+    if (found == outputs.end())
+        fail("graph '{}' has no output '{}'; it has: {}", graph().name(), name, fmt::join(outputNames(), ", "));
+    const auto& pass = graph().passes()[found->pass];
+    const auto& port = pass.interface.outputs()[found->output];
+    if (port.type.channels == 0)
+        fail("output '{}' ({}.{}) is a {}, no image; read it with read_port", name, pass.name, port.name, port.type.name);
+    if (frame() == 0)
+        fail("output '{}' is not there yet; render at least one frame first", name);
+    Image image{options_.width, options_.height, port.type.channels, {}};
+    image.data.resize(size_t(image.width) * image.height * image.channels);
+    device_->download(*executor_->latest(found->pass, found->output), image.data.data(), image.data.size() * sizeof(float));
+    return image;
+}
+
+std::vector<std::string> Renderer::outputNames() const
+{
+    std::vector<std::string> names;
+    for (const auto& output : graph().outputs())
+        names.push_back(output.name);
+    return names;
+}
+
+std::vector<uint8_t> Renderer::readPort(const std::string& path)
+{
+    const auto& passes = graph().passes();
+    for (uint32_t p = 0; p < passes.size(); ++p) {
+        const auto& ports = passes[p].interface.outputs();
+        for (uint32_t o = 0; o < ports.size(); ++o) {
+            if (passes[p].name + "." + ports[o].name != path)
+                continue;
+            const Buffer* buffer = executor_->latest(p, o);
+            if (!buffer)
+                fail("port '{}' is read by nobody in graph '{}', so it is not made; name it as an output of the graph", path,
+                     graph().name());
+            return device_->download<uint8_t>(*buffer, ports[o].type.bytes(options_.width, options_.height));
+        }
+    }
+    fail("graph '{}' has no port '{}'; ports are written pass.output", graph().name(), path);
+}
+
+CameraPose Renderer::camera() const
+{
+    if (cameraOverride_)
+        return *cameraOverride_;
+    const auto& node = scene_->cameras[scene_->camera];
+    return poseOf(node, poseNodes(*scene_, time_, overrides_)[node.node]);
+}
+
+void Renderer::moveCamera(const CameraPose& pose)
+{
+    if (!(pose.yfov > 0 && pose.yfov < 3.14f))
+        fail("a vertical field of view of {} radians is no pinhole camera; use 0 to 3.14", pose.yfov);
+    lookMatrix(pose);  // refuses poses that span no view
+    cameraOverride_ = pose;
+}
+
+void Renderer::moveNode(const std::string& name, const glm::mat4& local)
+{
+    const auto found =
+        std::find_if(scene_->nodes.begin(), scene_->nodes.end(), [&](const Node& node) { return node.name == name; });
+    if (found == scene_->nodes.end())
+        fail("{}: no node is named '{}'", scene_->file.string(), name);
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            if (!std::isfinite(local[column][row]))
+                fail("node '{}' cannot be moved by a matrix with NaN or infinity", name);
+    overrides_[size_t(found - scene_->nodes.begin())] = local;
+}
+
+void Renderer::setTime(float seconds)
+{
+    time_ = seconds;
+}
+
+void Renderer::cut()
+{
+    previousCamera_.reset();
+    executor_->cut();
+}
+
+const std::map<std::string, double>& Renderer::gpuTimes() const
+{
+    return executor_->times();
+}
+
+const std::map<std::string, double>& Renderer::totalGpuTimes() const
+{
+    return executor_->totalTimes();
+}
+
+std::map<std::string, uint64_t> Renderer::memory() const
+{
+    auto bytes = executor_->memory();
+    bytes["scene"] = sceneGpu_->bytes();
+    return bytes;
+}
+
+nlohmann::json Renderer::knobs() const
+{
+    nlohmann::json all = nlohmann::json::object();
+    for (const auto& pass : graph().passes())
+        for (const auto& knob : pass.interface.knobs())
+            all[pass.name][knob.name] = knob.get();
+    return all;
+}
+
+nlohmann::json Renderer::knob(const std::string& path) const
+{
+    const auto all = knobs();
+    const auto dot = path.find('.');
+    const std::string pass = path.substr(0, dot), name = dot == std::string::npos ? "" : path.substr(dot + 1);
+    if (!all.contains(pass) || !all[pass].contains(name))
+        fail("graph '{}' has no knob '{}'; knobs are written pass.knob", graph().name(), path);
+    return all[pass][name];
+}
+
+void Renderer::setKnob(const std::string& path, const nlohmann::json& value)
+{
+    executor_->graph().setKnob(path, value);
+    const auto dot = path.find('.');
+    auto& pass = *executor_->graph().find(path.substr(0, dot));
+    for (const auto& knob : pass.interface.knobs())
+        if (knob.name == path.substr(dot + 1) && knob.structural)
+            executor_->rebuild(pass);
+}
+
+uint32_t Renderer::setKnobEverywhere(const std::string& name, const nlohmann::json& value)
+{
+    uint32_t count = 0;
+    for (const auto& pass : graph().passes())
+        for (const auto& knob : pass.interface.knobs())
+            if (knob.name == name) {
+                setKnob(pass.name + "." + name, value);
+                ++count;
+            }
+    return count;
+}
+
+std::map<std::string, std::string> Renderer::provenance() const
+{
+    const auto& device = device_->description();
+    return {{"restirpg.graph", graph().description().dump()},
+            {"restirpg.knobs", knobs().dump()},
+            {"restirpg.seed", std::to_string(options_.seed)},
+            {"restirpg.frames", std::to_string(frame())},
+            {"restirpg.scene", scene_->file.filename().string()},
+            {"restirpg.sceneHash", scene_->hash},
+            {"restirpg.device", device.name},
+            {"restirpg.driver", device.driver},
+            {"restirpg.backend", device_->backend() == Backend::rayQuery ? "rayquery" : "software"},
+            {"restirpg.commit", COMMIT}};
+}
+
+void Renderer::save(const std::filesystem::path& file, PixelType type, const std::string& only)
+{
+    if (!only.empty()) {
+        writeExr(file, {{"", output(only)}}, type, provenance());
+        return;
+    }
+    std::vector<Layer> layers;
+    for (const auto& name : outputNames())
+        layers.push_back({layers.empty() ? "" : name, output(name)});
+    writeExr(file, layers, type, provenance());
+}
+
+}  // namespace restirpg

@@ -1,0 +1,63 @@
+// The scene in device memory: geometry, materials, textures, lights and the back end's acceleration structures.
+#pragma once
+
+#include "gpu/accel.h"
+#include "gpu/bvh.h"
+#include "gpu/texture.h"
+#include "scene/lights.h"
+#include "scene/scene.h"
+#include "shaders/frame_types.h"
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace restirpg {
+
+class SceneGpu {
+public:
+    /// Upload the scene as it stands at `pose` (world matrices, in the order of Scene::nodes).
+    SceneGpu(Device& device, const Scene& scene, const std::vector<glm::mat4>& pose);
+
+    /// Move instances and punctual lights to a new pose and bring the acceleration structure up to date. What moved in the call
+    /// before stands still now, so this is called every frame.
+    void update(const std::vector<glm::mat4>& pose);
+
+    const SceneTable& table() const { return table_; }
+    const BindingSet& bindings() const { return *bindings_; }
+    const std::vector<Instance>& instances() const { return instances_; }
+    const LightTable& lights() const { return lights_; }
+    uint64_t bytes() const { return bytes_; }
+
+private:
+    struct MeshGpu {
+        Buffer nodes;
+        Buffer triangles;
+        Box bounds;
+    };
+
+    void uploadGeometry();
+    void uploadMeshes();
+    void uploadTextures();
+    void placeInstances(const std::vector<glm::mat4>& pose);
+    void uploadLights(const std::vector<glm::mat4>& pose);
+    void buildTopLevel();
+    Buffer& keep(Buffer buffer);
+
+    Device& device_;
+    const Scene& scene_;
+    SceneTable table_{};
+    std::vector<Buffer> buffers_;
+    std::vector<MeshGpu> meshes_;
+    std::vector<Mesh> meshTable_;
+    std::vector<Instance> instances_;
+    LightTable lights_;
+    std::vector<glm::mat4> pose_;
+    bool settled_ = true;  ///< previous and current matrices agree on the device
+    Buffer meshBuffer_, instanceBuffer_, lightBuffer_, tlasNodes_, tlasInstances_;
+    std::unique_ptr<BindingSet> bindings_;
+    std::unique_ptr<AccelerationStructures> acceleration_;
+    uint64_t bytes_ = 0;
+};
+
+}  // namespace restirpg

@@ -1,0 +1,9 @@
+// What was built.
+#pragma once
+
+namespace restirpg {
+
+/// The commit the library was built from, with "+" when files differed from it; "unknown" outside a git checkout.
+extern const char* const COMMIT;
+
+}  // namespace restirpg

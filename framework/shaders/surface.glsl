@@ -1,0 +1,146 @@
+// From a hit to the surface there: position, normals, material.
+#ifndef RESTIRPG_SURFACE_GLSL
+#define RESTIRPG_SURFACE_GLSL
+
+#include "bsdf.glsl"
+#include "scene.glsl"
+
+/// The geometry of a hit point, in world space. Normals are unit and on the front side (the side the winding faces).
+struct Surface {
+    vec3 position;
+    vec3 geometric_normal;
+    vec3 shading_normal;  ///< interpolated; the normal map is applied by evaluate_material
+    vec4 tangent;  ///< w: sign of the bitangent; 0: no tangent
+    vec2 uv0;
+    vec2 uv1;
+    vec3 color;  ///< vertex colour
+    uint material;
+    uint instance;
+    uint triangle;
+    vec2 barycentrics;
+};
+
+/// The hit point as it stands in this frame, or, with `previous`, as it stood in the frame before.
+Surface load_surface(Hit hit, bool previous)
+{
+    Instance placed = InstanceArray(SCENE.instances).at[hit.instance];
+    Mesh mesh = MeshArray(SCENE.meshes).at[placed.mesh];
+    mat4x3 to_world = previous ? placed.previousObjectToWorld : placed.objectToWorld;
+    uvec3 index = Uvec3Array(SCENE.indices).at[mesh.firstTriangle + hit.triangle] + mesh.firstVertex;
+    Vec3Array positions = Vec3Array(SCENE.positions);
+    AttributesArray attributes = AttributesArray(SCENE.attributes);
+    vec3 p0 = positions.at[index.x];
+    vec3 edge1 = positions.at[index.y] - p0;
+    vec3 edge2 = positions.at[index.z] - p0;
+    VertexAttributes a = attributes.at[index.x];
+    VertexAttributes b = attributes.at[index.y];
+    VertexAttributes c = attributes.at[index.z];
+    vec3 weight = vec3(1.0 - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics);
+
+    Surface s;
+    s.position = to_world * vec4(p0 + hit.barycentrics.x * edge1 + hit.barycentrics.y * edge2, 1.0);
+    vec3 facing = cross(to_world * vec4(edge1, 0.0), to_world * vec4(edge2, 0.0));
+    s.geometric_normal = normalize(placed.flipped != 0u ? -facing : facing);
+    // Normals transform by the inverse transpose. The current inverse serves both poses but for their rotation, which the previous
+    // pose, used for motion only, does not need.
+    vec3 normal = weight.x * a.normal + weight.y * b.normal + weight.z * c.normal;
+    s.shading_normal = normalize(normal * mat3(placed.worldToObject));
+    if (dot(s.shading_normal, s.geometric_normal) <= 0.0 || isnan(s.shading_normal.x))
+        s.shading_normal = s.geometric_normal;
+    vec4 tangent = weight.x * a.tangent + weight.y * b.tangent + weight.z * c.tangent;
+    s.tangent = vec4(mat3(to_world) * tangent.xyz, tangent.w);
+    s.uv0 = weight.x * a.uv0 + weight.y * b.uv0 + weight.z * c.uv0;
+    s.uv1 = weight.x * a.uv1 + weight.y * b.uv1 + weight.z * c.uv1;
+    s.color = weight.x * a.color + weight.y * b.color + weight.z * c.color;
+    s.material = UintArray(SCENE.materialOfTriangle).at[mesh.firstTriangle + hit.triangle];
+    s.instance = hit.instance;
+    s.triangle = hit.triangle;
+    s.barycentrics = hit.barycentrics;
+    return s;
+}
+
+/// A surface with its material evaluated for light leaving towards wo.
+struct ShadingPoint {
+    vec3 position;
+    vec3 normal;  ///< geometric, on wo's side
+    mat3 local_frame;  ///< z: the shading normal, on wo's side
+    vec3 wo;  ///< in local_frame
+    Bsdf bsdf;
+    vec3 base_color;
+    vec3 absorption;  ///< sigma_a behind the surface, 1/m; zero unless it bounds a solid
+    bool front;  ///< wo is on the side the winding faces
+};
+
+/// The normal of a normal-mapped surface, glTF's convention; on the front side.
+vec3 apply_normal_map(Surface s, Material material)
+{
+    vec3 n = s.shading_normal;
+    vec3 tangent = s.tangent.xyz - n * dot(n, s.tangent.xyz);
+    if (material.normalMap.index == INVALID_INDEX || dot(tangent, tangent) <= 0.0 || s.tangent.w == 0.0)
+        return n;
+    tangent = normalize(tangent);
+    vec3 bitangent = cross(n, tangent) * sign(s.tangent.w);
+    vec3 m = fetch_texture(material.normalMap, s.uv0, s.uv1).xyz * 2.0 - 1.0;
+    vec3 mapped = m.x * material.normalScale * tangent + m.y * material.normalScale * bitangent + m.z * n;
+    float len = length(mapped);
+    return len > 0.0 ? mapped / len : n;
+}
+
+BsdfParameters evaluate_parameters(Surface s, Material material, bool front)
+{
+    BsdfParameters p;
+    p.baseColor = material.baseColor * s.color;
+    if (material.baseColorMap.index != INVALID_INDEX)
+        p.baseColor *= fetch_texture(material.baseColorMap, s.uv0, s.uv1).rgb;
+    p.metallic = material.metallic;
+    p.roughness = material.roughness;
+    if (material.metallicRoughnessMap.index != INVALID_INDEX) {
+        vec4 texel = fetch_texture(material.metallicRoughnessMap, s.uv0, s.uv1);
+        p.roughness *= texel.g;
+        p.metallic *= texel.b;
+    }
+    p.specular = material.specular;
+    if (material.specularMap.index != INVALID_INDEX)
+        p.specular *= fetch_texture(material.specularMap, s.uv0, s.uv1).a;
+    p.specularColor = material.specularColor;
+    if (material.specularColorMap.index != INVALID_INDEX)
+        p.specularColor *= fetch_texture(material.specularColorMap, s.uv0, s.uv1).rgb;
+    p.transmission = material.transmission;
+    if (material.transmissionMap.index != INVALID_INDEX)
+        p.transmission *= fetch_texture(material.transmissionMap, s.uv0, s.uv1).r;
+    p.ior = material.ior;
+    p.coatAverage = material.coatAverage;
+    p.solid = (material.flags & MATERIAL_SOLID) != 0u;
+    p.entering = front;
+    return p;
+}
+
+/// Evaluate the material of a surface for the unit direction wo (world space, away from the surface).
+ShadingPoint shade_surface(Surface s, vec3 wo)
+{
+    Material material = MaterialArray(SCENE.materials).at[s.material];
+    ShadingPoint p;
+    p.position = s.position;
+    p.front = dot(s.geometric_normal, wo) >= 0.0;
+    p.normal = p.front ? s.geometric_normal : -s.geometric_normal;
+    vec3 n = apply_normal_map(s, material);
+    n = p.front ? n : -n;
+    // A shading normal that faces away from wo has no upper hemisphere to scatter into: fall back to the geometric one.
+    if (dot(n, wo) <= 1e-4)
+        n = p.normal;
+    p.local_frame = make_frame(n);
+    p.wo = to_local(p.local_frame, wo);
+    BsdfParameters parameters = evaluate_parameters(s, material, p.front);
+    p.bsdf = make_bsdf(parameters);
+    p.base_color = parameters.baseColor;
+    p.absorption = p.bsdf.solid ? material.absorption : vec3(0.0);
+    return p;
+}
+
+/// Does the local direction leave on the same side for the shading and the geometric normal? Else light would leak through.
+bool is_consistent(ShadingPoint p, vec3 wi_local, vec3 wi_world)
+{
+    return (wi_local.z > 0.0) == (dot(p.normal, wi_world) > 0.0);
+}
+
+#endif

@@ -1,0 +1,89 @@
+#version 460
+#include "prelude.glsl"
+#include "Shared.h"
+#include "camera.glsl"
+#include "environment.glsl"
+#include "lights.glsl"
+#include "random.glsl"
+#include "surface.glsl"
+#include "trace.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform Push { GBufferParameters params; };
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer HitImage { Hit at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Vec2Image { vec2 at[]; };
+
+/// Where the point was on the previous frame's pixel plane, minus where it is.
+vec2 motion_of(Hit hit, vec3 position, vec2 size)
+{
+    vec3 now = camera_project(frame.c.camera, position, size);
+    vec3 before = camera_project(frame.c.previousCamera, load_surface(hit, true).position, size);
+    return before.xy - now.xy;
+}
+
+void write_surface(uint pixel, Hit hit, vec3 direction, vec2 size)
+{
+    Surface surface = load_surface(hit, false);
+    ShadingPoint point = shade_surface(surface, -direction);
+    if (params.emission != 0ul)
+        Vec3Image(params.emission).at[pixel] = triangle_emission(hit.instance, hit.triangle, hit.barycentrics, point.front);
+    if (params.normal != 0ul)
+        Vec3Image(params.normal).at[pixel] = point.local_frame[2];
+    if (params.geometricNormal != 0ul)
+        Vec3Image(params.geometricNormal).at[pixel] = point.normal;
+    if (params.albedo != 0ul)
+        Vec3Image(params.albedo).at[pixel] = point.base_color;
+    if (params.depth != 0ul)
+        FloatImage(params.depth).at[pixel] = dot(surface.position - frame.c.camera.position, frame.c.camera.forward);
+    if (params.motion != 0ul)
+        Vec2Image(params.motion).at[pixel] = motion_of(hit, surface.position, size);
+    if (params.material != 0ul)
+        FloatImage(params.material).at[pixel] = float(surface.material);
+}
+
+void write_miss(uint pixel, vec3 direction, vec2 point, vec2 size)
+{
+    if (params.emission != 0ul)
+        Vec3Image(params.emission).at[pixel] = environment_radiance(direction);
+    if (params.normal != 0ul)
+        Vec3Image(params.normal).at[pixel] = vec3(0.0);
+    if (params.geometricNormal != 0ul)
+        Vec3Image(params.geometricNormal).at[pixel] = vec3(0.0);
+    if (params.albedo != 0ul)
+        Vec3Image(params.albedo).at[pixel] = vec3(0.0);
+    if (params.depth != 0ul)
+        FloatImage(params.depth).at[pixel] = 0.0;
+    if (params.motion != 0ul) {
+        // Infinitely far: only the camera's rotation moves it.
+        vec3 before = camera_project(frame.c.previousCamera, frame.c.previousCamera.position + direction, size);
+        Vec2Image(params.motion).at[pixel] = before.xy - point;
+    }
+    if (params.material != 0ul)
+        FloatImage(params.material).at[pixel] = -1.0;
+}
+
+void main()
+{
+    frame = FrameRef(params.frame);
+    uvec2 at = gl_GlobalInvocationID.xy;
+    if (any(greaterThanEqual(at, frame.c.size)))
+        return;
+    uint pixel = at.y * frame.c.size.x + at.x;
+    vec2 size = vec2(frame.c.size);
+    vec2 inside = vec2(0.5);
+    if (params.jitter != 0u)
+        inside = random2(random_key(at, frame.c.frame, frame.c.seed), 0u, RANDOM_PIXEL);
+    vec2 point = vec2(at) + inside;
+    vec3 direction = camera_direction(frame.c.camera, point, size);
+
+    Hit hit;
+    float t;
+    bool found = trace_closest(frame.c.camera.position, direction, RAY_INFINITY, hit, t);
+    if (params.surface != 0ul)
+        HitImage(params.surface).at[pixel] = hit;
+    if (found)
+        write_surface(pixel, hit, direction, size);
+    else
+        write_miss(pixel, direction, point, size);
+}

@@ -1,0 +1,21 @@
+// Parameters of GBuffer.comp. Outputs that nobody reads have address 0.
+#ifndef RESTIRPG_GBUFFER_SHARED_H
+#define RESTIRPG_GBUFFER_SHARED_H
+#include "shaders/frame_types.h"
+RESTIRPG_SHARED
+
+struct GBufferParameters {
+    Address frame;  ///< FrameConstants
+    Address surface;  ///< Hit a pixel
+    Address emission;  ///< vec3 a pixel
+    Address normal;  ///< vec3 a pixel
+    Address geometricNormal;  ///< vec3 a pixel
+    Address albedo;  ///< vec3 a pixel
+    Address depth;  ///< float a pixel
+    Address motion;  ///< vec2 a pixel
+    Address material;  ///< float a pixel
+    uint jitter;  ///< 1: a uniform point of the pixel, 0: its centre
+};
+
+RESTIRPG_SHARED_END
+#endif

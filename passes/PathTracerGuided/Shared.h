@@ -1,0 +1,17 @@
+// Parameters of PathTracerGuided.comp.
+#ifndef RESTIRPG_PATH_TRACER_GUIDED_SHARED_H
+#define RESTIRPG_PATH_TRACER_GUIDED_SHARED_H
+#include "shaders/frame_types.h"
+RESTIRPG_SHARED
+
+struct PathTracerParameters {
+    Address frame;  ///< FrameConstants
+    Address surface;  ///< Hit a pixel
+    Address radiance;  ///< vec3 a pixel; 0: nobody reads it
+    uint bounces;  ///< the bounce cap n: paths of at most n + 2 edges
+    uint nextEventEstimation;  ///< 1: connect every vertex to a light, weighted against scattering
+    uint direct;  ///< 1: direct light at the primary hit is part of the result
+};
+
+RESTIRPG_SHARED_END
+#endif
