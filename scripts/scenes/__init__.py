@@ -1,5 +1,5 @@
 """The embedded scenes, each a function that returns a SceneFile."""
 
-from . import analytic
+from . import analytic, door
 
-SCENES = {build.__name__: build for family in (analytic,) for build in family.FAMILY}
+SCENES = {build.__name__: build for family in (analytic, door) for build in family.FAMILY}

@@ -7,7 +7,7 @@ give the same bytes.
 import json
 import math
 import struct
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -108,6 +108,7 @@ class SceneFile:
     name: str
     bounces: int
     environment: object = None
+    lambert_only: bool = False  # write every material as its Lambert counterpart
     _json: dict = field(default_factory=dict)
     _binary: bytearray = field(default_factory=bytearray)
     _cache: dict = field(default_factory=dict)  # key -> (index, the object the key names, kept alive)
@@ -152,6 +153,9 @@ class SceneFile:
         return {"index": self._once(("texture", id(texture)), texture, make)}
 
     def _material(self, material):
+        if self.lambert_only:
+            material = replace(material, metallic=0.0, roughness=1.0, specular=0.0, transmission=0.0, thickness=0.0,
+                               roughness_texture=None, normal_texture=None)
         return self._once(("material", material), material, lambda: self._append(
             "materials", self._material_json(material)))
 

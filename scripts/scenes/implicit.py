@@ -49,29 +49,46 @@ def mesh_isosurface(field, lower, upper, cell):
     """Closed triangle mesh of field = 0 (negative inside), which must lie within the box lower..upper.
 
     Surface nets (Gibson 1998): a vertex in each cell that the surface crosses, a quad across each crossed grid edge;
-    then three Newton steps along the gradient put the vertices on the surface. `cell`: edge length in metres.
+    then two Newton steps along the gradient put the vertices on the surface. `cell`: edge length
+    in metres; a grid plane that grazes a flat part of the surface leaves slivers, so pick one that does not.
     """
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
-    counts = np.ceil((upper - lower) / cell).astype(int) + 1
-    axes = [low + cell * np.arange(n) for low, n in zip(lower, counts)]
-    inside = field(np.stack(np.meshgrid(*axes, indexing="ij"), -1)) < 0
-
-    cells = tuple(counts - 1)
-    corners = sum(inside[i:i + cells[0], j:j + cells[1], k:k + cells[2]].astype(int)
-                  for i in (0, 1) for j in (0, 1) for k in (0, 1))
-    active = np.argwhere((corners > 0) & (corners < 8))
-    index = np.full(cells, -1)
+    axes = [low + cell * np.arange(int(np.ceil((high - low) / cell)) + 1) for low, high in zip(lower, upper)]
+    values = field(np.stack(np.meshgrid(*axes, indexing="ij"), -1))
+    active, positions = _cell_centroids(values)
+    index = np.full(np.array(values.shape) - 1, -1)
     index[tuple(active.T)] = np.arange(len(active))
-    positions = lower + (active + 0.5) * cell
-    for _ in range(3):
+    positions = lower + positions * cell
+    for _ in range(2):
         slope = gradient(field, positions, cell * 0.1)
         move = field(positions)[:, None] * slope / np.maximum((slope * slope).sum(1, keepdims=True), 1e-6)
         length = np.linalg.norm(move, axis=1, keepdims=True)
-        positions -= move * np.minimum(1.0, 0.5 * cell / np.maximum(length, 1e-12))
+        positions -= move * np.minimum(1.0, 0.2 * cell / np.maximum(length, 1e-12))  # longer ones would fold the sheet
     normals = unit(gradient(field, positions, cell * 0.1))
-    triangles = np.concatenate([_quads(inside, index, positions, axis) for axis in range(3)])
+    triangles = np.concatenate([_quads(values < 0, index, positions, axis) for axis in range(3)])
     uvs = positions[:, :2] * (1, -1)
     return Mesh(positions, normals, uvs, triangles)
+
+
+def _cell_centroids(values):
+    """Indices (N, 3) of the cells that the surface crosses, and the mean of its crossings with each cell's edges."""
+    shape = np.array(values.shape) - 1
+    total, count = np.zeros((*shape, 3)), np.zeros(shape)
+    for axis in range(3):
+        tail, head = np.take(values, range(shape[axis]), axis), np.take(values, range(1, shape[axis] + 1), axis)
+        crossed = (tail < 0) != (head < 0)
+        at = np.argwhere(crossed)
+        point = at.astype(float)
+        point[:, axis] += tail[crossed] / (tail[crossed] - head[crossed])
+        for offset in np.ndindex(2, 2):  # an edge belongs to four cells
+            cells = at.copy()
+            cells[:, [(axis + 1) % 3, (axis + 2) % 3]] -= offset
+            valid = ((cells >= 0) & (cells < shape)).all(axis=1)
+            where = tuple(cells[valid].T)
+            np.add.at(total, where, point[valid])
+            np.add.at(count, where, 1)
+    active = np.argwhere(count > 0)
+    return active, total[count > 0] / count[count > 0][:, None]
 
 
 def _quads(inside, index, positions, axis):

@@ -140,7 +140,7 @@ def painting(seed=8, width=640, height=480):
     brush = noise(1024, 6, seed)[:height, :width] - 0.5
     above = above + 0.02 * brush
     t = np.clip(above / horizon, 0, 1)
-    colors = mix((0.10, 0.16, 0.38), (0.95, 0.55, 0.22), t ** 1.6)
+    colors = mix((0.16, 0.30, 0.62), (1.0, 0.62, 0.26), t ** 1.3)
     colors += np.exp(-((u - 0.67) ** 2 + (above - 0.47) ** 2) / 0.01)[..., None] * (0.9, 0.6, 0.25)
     colors = np.where((((u - 0.67) ** 2 + (0.75 * (above - 0.47)) ** 2) < 0.0016)[..., None], (1.0, 0.9, 0.65), colors)
     for layer in range(4):
@@ -148,7 +148,7 @@ def painting(seed=8, width=640, height=480):
         ridge = 0.40 + 0.055 * layer + 0.05 * np.sin(5 * u + phase[0]) + 0.025 * np.sin(13 * u + phase[1])
         ridge = ridge + 0.008 * np.sin(41 * u + phase[2])
         depth = (layer + 1) / 4
-        hill = mix(np.array((0.45, 0.33, 0.42)) * (1 - depth) + np.array((0.03, 0.07, 0.06)) * depth,
+        hill = mix(np.array((0.62, 0.45, 0.52)) * (1 - depth) + np.array((0.06, 0.16, 0.08)) * depth,
                    (0.8, 0.5, 0.3), np.clip((above - ridge) * 3, 0, 0.35))
         colors = np.where((above > ridge)[..., None], hill, colors)
     ripple = 0.75 + 0.15 * np.sin(v * 420 + 25 * brush)
