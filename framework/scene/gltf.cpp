@@ -1,0 +1,153 @@
+#include "scene/gltf.h"
+
+#include "scene/gltf_file.h"
+
+#include <cmath>
+#include <fstream>
+
+namespace restirpg {
+
+namespace {
+
+using namespace gltf;
+
+/// World coordinates beyond this lose their squares in float; a scene is metres, not light-years.
+constexpr float LARGEST_SCENE = 1e12f;
+
+struct Bounds {
+    glm::vec3 lower{INFINITY};
+    glm::vec3 upper{-INFINITY};
+
+    void add(glm::vec3 p)
+    {
+        lower = glm::min(lower, p);
+        upper = glm::max(upper, p);
+    }
+};
+
+/// Exact bounds of all instances at time 0.
+Bounds worldBounds(const Scene& scene)
+{
+    const auto pose = poseNodes(scene, 0);
+    Bounds bounds;
+    for (const auto& instance : scene.instances) {
+        const auto& mesh = scene.meshes[instance.mesh];
+        const auto& matrix = pose[instance.node];
+        for (uint32_t v = 0; v < mesh.vertexCount; ++v)
+            bounds.add(glm::vec3(matrix * glm::vec4(scene.positions[mesh.firstVertex + v], 1)));
+    }
+    return bounds;
+}
+
+/// The view of ../shared/tools/gltf_to_mitsuba.py --frame: 40 degrees, from the upper right, the bounding sphere almost filling it.
+void addDefaultCamera(Scene& scene, const Bounds& bounds)
+{
+    constexpr float YFOV = 0.6981317f;  // 40 degrees
+    const auto center = 0.5f * (bounds.lower + bounds.upper);
+    const float radius = std::max(0.5f * glm::length(bounds.upper - bounds.lower), 1e-3f);
+    const auto backward = glm::normalize(glm::vec3(0.35f, 0.25f, 1.0f));
+    const auto right = glm::normalize(glm::cross(glm::vec3(0, 1, 0), backward));
+    const auto eye = center + backward * (0.9f * radius / std::sin(YFOV / 2));
+    Node node;
+    node.name = "default camera";
+    node.gltfIndex = INVALID_INDEX;
+    node.matrix = glm::mat4(glm::vec4(right, 0), glm::vec4(glm::cross(backward, right), 0), glm::vec4(backward, 0), glm::vec4(eye, 1));
+    scene.nodes.push_back(node);
+    scene.cameras.push_back({node.name, uint32_t(scene.nodes.size() - 1), YFOV});
+}
+
+bool emitsLight(const Scene& scene)
+{
+    if (scene.environment || !scene.punctualLights.empty())
+        return true;
+    for (const auto& instance : scene.instances) {
+        const auto& mesh = scene.meshes[instance.mesh];
+        for (uint32_t t = 0; t < mesh.triangleCount; ++t)
+            if (scene.materials[scene.materialOfTriangle[mesh.firstTriangle + t]].flags & MATERIAL_EMISSIVE)
+                return true;
+    }
+    return false;
+}
+
+/// The environment that asset.extras.restirpg describes. Its file's bytes join the hash.
+void readEnvironment(const File& file, const tinygltf::Value& settings, Scene& scene, uint64_t& hash)
+{
+    const auto* source = member(settings, "environment");
+    if (!source)
+        return;
+    if (source->IsString()) {
+        const auto path = file.path.parent_path() / source->Get<std::string>();
+        scene.environment = loadEnvironment(path.string());
+        std::ifstream stream(path, std::ios::binary);
+        const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+        hash = hashBytes(bytes.data(), bytes.size(), hash);
+    } else if (source->ArrayLen() == 3) {
+        scene.environment.emplace();
+        scene.environment->radiance = glm::max(color(settings, "environment", glm::vec3(0)), 0.0f);
+    } else {
+        fail("{}: asset.extras.restirpg.environment: must be a file name or three numbers; mend the extras", file.name());
+    }
+    scene.environment->radiance *= std::max(number(settings, "strength", 1), 0.0f);
+    scene.environment->rotation = glm::radians(number(settings, "rotation", 0));
+    if (!std::isfinite(glm::dot(scene.environment->radiance, glm::vec3(1))) || !std::isfinite(scene.environment->rotation))
+        fail("{}: asset.extras.restirpg: environment, strength or rotation is not finite; mend the extras", file.name());
+}
+
+void readExtras(const File& file, Scene& scene, uint64_t& hash)
+{
+    const auto* settings = member(file.model.asset.extras, "restirpg");
+    if (!settings)
+        return;
+    readEnvironment(file, *settings, scene, hash);
+    if (const auto* bounces = member(*settings, "bounces")) {
+        if (!bounces->IsInt() || bounces->GetNumberAsInt() < 0)
+            fail("{}: asset.extras.restirpg.bounces: must be an integer of at least 0; mend the extras", file.name());
+        scene.bounceCap = uint32_t(bounces->GetNumberAsInt());
+    }
+}
+
+Scene convert(const std::filesystem::path& path)
+{
+    const auto file = readFile(path);
+    Scene scene;
+    scene.file = path;
+    readMaterials(file, scene);
+    readMeshes(file, scene);
+    readNodes(file, scene);
+    if (scene.instances.empty())
+        fail("{}: the default scene has no triangles; add a mesh", file.name());
+    uint64_t hash = file.hash;
+    readExtras(file, scene, hash);
+    scene.hash = fmt::format("{:016x}", hash);
+
+    const auto bounds = worldBounds(scene);
+    if (!(glm::length(bounds.upper - bounds.lower) + glm::length(bounds.upper) < LARGEST_SCENE))
+        fail("{}: the scene reaches beyond {} m; check the scale of its nodes", file.name(), LARGEST_SCENE);
+    if (scene.cameras.empty()) {
+        warn("{}: no perspective camera; one that frames the scene is added", file.name());
+        addDefaultCamera(scene, bounds);
+    }
+    if (!emitsLight(scene)) {
+        warn("{}: no light; a white environment of radiance 1 is added", file.name());
+        scene.environment.emplace();
+        scene.environment->radiance = glm::vec3(1);
+    }
+    return scene;
+}
+
+}  // namespace
+
+Scene loadGltf(const std::filesystem::path& file)
+{
+    try {
+        return convert(file);
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        fail("{}: does not fit the memory; simplify the scene", file.string());
+    } catch (const std::exception& error) {
+        fail("{}: damaged: {}; export it again", file.string(), printable(error.what()));
+    }
+}
+
+}  // namespace restirpg

@@ -1,0 +1,153 @@
+#include "scene/scene.h"
+
+#include "core/error.h"
+#include "scene/srgb.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace restirpg {
+
+namespace {
+
+/// Texel index along one axis after wrapping [Vulkan 1.3, 16.6]. Doubles: a coordinate may lie beyond any integer type.
+uint32_t wrapTexel(double texel, uint32_t size, Texture::Wrap wrap)
+{
+    const double n = size;
+    switch (wrap) {
+    case Texture::Wrap::clampToEdge: break;
+    case Texture::Wrap::repeat: texel -= n * std::floor(texel / n); break;
+    case Texture::Wrap::mirroredRepeat:
+        texel -= 2 * n * std::floor(texel / (2 * n));
+        texel = texel < n ? texel : 2 * n - 1 - texel;
+    }
+    return uint32_t(std::clamp(texel, 0.0, n - 1));
+}
+
+glm::vec4 fetchTexel(const Texture& texture, uint32_t x, uint32_t y)
+{
+    const size_t first = (size_t(y) * texture.width + x) * 4;
+    if (!texture.floats.empty())
+        return {texture.floats[first], texture.floats[first + 1], texture.floats[first + 2], texture.floats[first + 3]};
+    static const auto table = [] {
+        std::array<float, 256> values;
+        for (size_t i = 0; i < values.size(); ++i)
+            values[i] = srgbToLinear(float(i) / 255.0f);
+        return values;
+    }();
+    const auto color = [&](size_t c) {
+        const uint8_t byte = texture.bytes[first + c];
+        return texture.srgb ? table[byte] : float(byte) / 255.0f;
+    };
+    return {color(0), color(1), color(2), float(texture.bytes[first + 3]) / 255.0f};
+}
+
+glm::quat asQuaternion(glm::vec4 v)
+{
+    return {v.w, v.x, v.y, v.z};
+}
+
+/// Cubic Hermite with tangents per second [glTF 2.0, appendix C]; `key` and `key + 1` enclose the time.
+glm::vec4 cubicSpline(const AnimationChannel& channel, size_t key, float t, float seconds)
+{
+    const auto& v = channel.values;
+    const auto value0 = v[3 * key + 1], out0 = v[3 * key + 2], in1 = v[3 * key + 3], value1 = v[3 * key + 4];
+    const float t2 = t * t, t3 = t2 * t;
+    return (2 * t3 - 3 * t2 + 1) * value0 + seconds * (t3 - 2 * t2 + t) * out0 + (-2 * t3 + 3 * t2) * value1
+        + seconds * (t3 - t2) * in1;
+}
+
+glm::vec4 valueAt(const AnimationChannel& channel, float time)
+{
+    const bool cubic = channel.interpolation == AnimationChannel::Interpolation::cubicSpline;
+    const auto keyValue = [&](size_t key) { return channel.values[cubic ? 3 * key + 1 : key]; };
+    const auto& times = channel.times;
+    if (time <= times.front())
+        return keyValue(0);
+    if (time >= times.back())
+        return keyValue(times.size() - 1);
+    const size_t key = size_t(std::upper_bound(times.begin(), times.end(), time) - times.begin()) - 1;
+    if (channel.interpolation == AnimationChannel::Interpolation::step)
+        return keyValue(key);
+    const float seconds = times[key + 1] - times[key];
+    const float t = (time - times[key]) / seconds;
+    if (cubic)
+        return cubicSpline(channel, key, t, seconds);
+    if (channel.path != AnimationChannel::Path::rotation)
+        return glm::mix(keyValue(key), keyValue(key + 1), t);
+    const auto rotation = glm::slerp(glm::normalize(asQuaternion(keyValue(key))), glm::normalize(asQuaternion(keyValue(key + 1))), t);
+    return {rotation.x, rotation.y, rotation.z, rotation.w};
+}
+
+glm::mat4 localMatrix(const Node& node)
+{
+    if (node.matrix)
+        return *node.matrix;
+    return glm::scale(glm::translate(glm::mat4(1), node.translation) * glm::mat4_cast(node.rotation), node.scale);
+}
+
+}  // namespace
+
+glm::vec4 Texture::sample(glm::vec2 uv) const
+{
+    const double x = double(uv.x) * width, y = double(uv.y) * height;
+    const auto texel = [&](double i, double j) { return fetchTexel(*this, wrapTexel(i, width, wrapU), wrapTexel(j, height, wrapV)); };
+    if (filter == Filter::nearest)
+        return texel(std::floor(x), std::floor(y));
+    const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
+    const float fx = float(x - 0.5 - left), fy = float(y - 0.5 - top);
+    return glm::mix(glm::mix(texel(left, top), texel(left + 1, top), fx),
+                    glm::mix(texel(left, top + 1), texel(left + 1, top + 1), fx), fy);
+}
+
+uint64_t Scene::instancedTriangleCount() const
+{
+    uint64_t count = 0;
+    for (const auto& instance : instances)
+        count += meshes[instance.mesh].triangleCount;
+    return count;
+}
+
+std::vector<glm::mat4> poseNodes(const Scene& scene, float time, const std::vector<std::optional<glm::mat4>>& overrides)
+{
+    auto nodes = scene.nodes;
+    for (const auto& channel : scene.channels) {
+        const auto value = valueAt(channel, time);
+        auto& node = nodes[channel.node];
+        switch (channel.path) {
+        case AnimationChannel::Path::translation: node.translation = glm::vec3(value); break;
+        case AnimationChannel::Path::scale: node.scale = glm::vec3(value); break;
+        case AnimationChannel::Path::rotation: {
+            const float length = glm::length(value);
+            node.rotation = length > 0 ? asQuaternion(value / length) : glm::quat(1, 0, 0, 0);
+        }
+        }
+    }
+    std::vector<glm::mat4> pose(nodes.size());
+    for (size_t i = 0; i < nodes.size(); ++i) {
+        const auto local = i < overrides.size() && overrides[i] ? *overrides[i] : localMatrix(nodes[i]);
+        pose[i] = nodes[i].parent < 0 ? local : pose[size_t(nodes[i].parent)] * local;
+    }
+    return pose;
+}
+
+Camera makeCamera(const CameraNode& camera, const glm::mat4& nodeToWorld, float aspect)
+{
+    // Scale and mirroring of the node do not act on its camera [glTF 2.0, 3.10].
+    const auto backward = glm::vec3(nodeToWorld[2]), upward = glm::vec3(nodeToWorld[1]);
+    const auto right = glm::cross(upward, backward);
+    const float scale = glm::length(upward) * glm::length(backward);
+    if (!(glm::length(right) > 1e-6f * scale) || !std::isfinite(scale))
+        fail("camera '{}': its node's matrix is singular, so that it looks nowhere; give the node a proper rotation", camera.name);
+    const float halfHeight = std::tan(0.5f * camera.yfov);
+    Camera result;
+    result.position = glm::vec3(nodeToWorld[3]);
+    result.forward = -glm::normalize(backward);
+    result.right = glm::normalize(right) * (halfHeight * aspect);
+    result.up = glm::normalize(glm::cross(backward, right)) * halfHeight;
+    return result;
+}
+
+}  // namespace restirpg
