@@ -79,6 +79,14 @@ std::vector<std::string> Plugins::names() const
     return result;
 }
 
+std::string Plugins::searched() const
+{
+    std::string text;
+    for (const auto& folder : folders_)
+        text += (text.empty() ? "" : ", ") + folder.string();
+    return text;
+}
+
 const Plugin* Plugins::find(const std::string& name) const
 {
     const auto found = plugins_.find(name);

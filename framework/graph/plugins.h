@@ -28,7 +28,7 @@ public:
     explicit Plugins(const std::vector<const PluginEntry*>& entries);
 
     std::vector<std::string> names() const;  ///< sorted; some may turn out not to load
-    const std::vector<std::filesystem::path>& folders() const { return folders_; }  ///< searched, in this order
+    std::string searched() const;  ///< the folders, in the order they are searched, for messages
 
     /// Loads the pass's library if need be. nullptr when there is no such pass or it cannot be loaded: see problem().
     const Plugin* find(const std::string& name) const;

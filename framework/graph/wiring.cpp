@@ -86,11 +86,8 @@ private:
         if (const auto problem = plugins_.problem(described.type); !problem.empty()) {
             mistakes_.add(described.location, fmt::format("pass type '{}' cannot be loaded: {}", described.type, problem));
         } else if (names.empty()) {
-            std::vector<std::string> folders;
-            for (const auto& folder : plugins_.folders())
-                folders.push_back(folder.string());
             mistakes_.add(described.location, fmt::format("there is no pass type '{}'", described.type),
-                          fmt::format("no passes found in {}; add folders in RESTIRPG_PLUGIN_PATH", fmt::join(folders, ", ")));
+                          fmt::format("no passes found in {}; add folders in RESTIRPG_PLUGIN_PATH", plugins_.searched()));
         } else {
             mistakes_.add(described.location, fmt::format("there is no pass type '{}'", described.type),
                           choicesHelp("pass types", names, described.type, names));

@@ -1,0 +1,247 @@
+// restirpg render GRAPH --scene S ...: render frames and write the graph's outputs.
+#include "app/commands.h"
+
+#include "app/progress.h"
+#include "core/error.h"
+#include "core/table.h"
+#include "image/atomic.h"
+#include "image/metrics.h"
+#include "render/renderer.h"
+#include "scene/gltf.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <chrono>
+#include <cmath>
+
+namespace restirpg {
+namespace {
+
+struct Options {
+    std::string graph;
+    std::string scene;
+    std::string size = "640x360";
+    uint32_t frames = 16;
+    std::string exr;
+    std::string png;
+    std::string output;  ///< of the graph; empty: all
+    std::string reference;
+    std::string environment;
+    std::vector<std::string> knobs;  ///< "pass.knob=value"
+    std::optional<uint32_t> bounces;
+    std::optional<uint32_t> camera;
+    bool half = false;
+    DisplayTransform display;
+    RendererOptions renderer;
+};
+
+void parseSize(const std::string& text, RendererOptions& options)
+{
+    const char* const end = text.data() + text.size();
+    const auto width = std::from_chars(text.data(), end, options.width);
+    const bool divided = width.ec == std::errc() && width.ptr != end && *width.ptr == 'x';
+    const auto height = divided ? std::from_chars(width.ptr + 1, end, options.height) : width;
+    if (!divided || height.ec != std::errc() || height.ptr != end)
+        fail("--size {}: write WIDTHxHEIGHT in pixels, as in 640x360", text);
+}
+
+/// What would stop us only after the rendering is asked before it.
+void checkFiles(const Options& options)
+{
+    if (options.exr.empty() && options.png.empty() && options.reference.empty())
+        fail("nothing to do with the picture; name a file with -o out.exr or --png out.png, or a --reference to compare with");
+    for (const auto& [file, extension] : {std::pair(options.exr, ".exr"), std::pair(options.png, ".png")}) {
+        if (file.empty())
+            continue;
+        if (std::filesystem::path(file).extension() != extension)
+            fail("{}: the name must end in {}", file, extension);
+        temporaryName(file);
+    }
+}
+
+std::shared_ptr<const Scene> loadScene(const Options& options)
+{
+    Scene scene = loadGltf(options.scene);
+    if (!options.environment.empty())
+        scene.environment = loadEnvironment(options.environment);
+    if (options.camera && *options.camera >= scene.cameras.size())
+        fail("{}: there is no camera {}; the scene has {}, counted from 0", options.scene, *options.camera, scene.cameras.size());
+    scene.camera = options.camera.value_or(scene.camera);
+    return std::make_shared<const Scene>(std::move(scene));
+}
+
+/// Bounce cap first (the user's, else the scene's own), then the knobs named one by one.
+void setKnobs(Graph& graph, const Options& options, const Scene& scene)
+{
+    if (const auto bounces = options.bounces ? options.bounces : scene.bounceCap) {
+        const uint32_t reached = graph.setKnobEverywhere("bounces", *bounces);
+        if (options.bounces && reached == 0)
+            fail("--bounces {}: no pass of graph '{}' has a knob 'bounces'", *bounces, graph.name());
+    }
+    for (const auto& setting : options.knobs) {
+        const auto equals = setting.find('=');
+        if (equals == std::string::npos)
+            fail("--set {}: write PASS.KNOB=VALUE, as in paths.bounces=4", setting);
+        graph.setKnobFromText(setting.substr(0, equals), setting.substr(equals + 1));
+    }
+}
+
+/// Every output that will be written must be an image.
+void checkOutputs(const Graph& graph, const Options& options)
+{
+    std::vector<std::string> images;
+    for (const auto& output : graph.outputs())
+        if (graph.passes()[output.pass].interface.outputs()[output.output].type.channels > 0)
+            images.push_back(output.name);
+    bool found = options.output.empty();
+    for (const auto& output : graph.outputs()) {
+        const auto& pass = graph.passes()[output.pass];
+        const auto& port = pass.interface.outputs()[output.output];
+        found = found || output.name == options.output;
+        if ((options.output.empty() || output.name == options.output) && port.type.channels == 0)
+            fail("output '{}' ({}.{}) is a {}, which no image file can hold; choose one with --output: {}", output.name, pass.name,
+                 port.name, port.type.name, fmt::join(images, ", "));
+    }
+    if (!found)
+        fail("--output {}: graph '{}' has no such output; choose one of: {}", options.output, graph.name(), fmt::join(images, ", "));
+}
+
+Image readReference(const Options& options)
+{
+    if (options.reference.empty())
+        return {};
+    Image reference = readExr(options.reference);
+    if (reference.width != options.renderer.width || reference.height != options.renderer.height)
+        fail("{}: the reference has {}x{} pixels; render with --size {}x{}", options.reference, reference.width, reference.height,
+             reference.width, reference.height);
+    return reference;
+}
+
+/// Renders all frames; returns seconds.
+double renderFrames(Renderer& renderer, uint32_t frames)
+{
+    const auto start = std::chrono::steady_clock::now();
+    Progress progress("rendering", frames);
+    for (uint32_t i = 0; i < frames; ++i) {
+        renderer.render(1);
+        progress.advance();
+    }
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void printTimes(const Renderer& renderer, uint32_t frames, double seconds)
+{
+    Table table({"pass", "GPU ms a frame"});
+    double total = 0;
+    for (const auto& [pass, milliseconds] : renderer.totalGpuTimes()) {
+        table.add({pass, fmt::format("{:.3f}", milliseconds / frames)});
+        total += milliseconds;
+    }
+    table.add({"all", fmt::format("{:.3f}", total / frames)});
+    fmt::print("{} frame{} in {:.2f} s\n{}", frames, frames == 1 ? "" : "s", seconds, table.text());
+}
+
+uint64_t invalidPixels(const Image& image)
+{
+    uint64_t count = 0;
+    for (size_t pixel = 0; pixel < image.data.size(); pixel += image.channels) {
+        bool finite = true;
+        for (uint32_t c = 0; c < image.channels; ++c)
+            finite = finite && std::isfinite(image.data[pixel + c]);
+        count += !finite;
+    }
+    return count;
+}
+
+void writeResults(Renderer& renderer, const Options& options, const Image& reference)
+{
+    const std::string shown = options.output.empty() ? renderer.outputNames().front() : options.output;
+    const Image image = renderer.output(shown);
+    if (!options.exr.empty()) {
+        renderer.save(options.exr, options.half ? PixelType::half : PixelType::full, options.output);
+        fmt::print("wrote {}\n", options.exr);
+    }
+    if (!options.png.empty()) {
+        writePng(options.png, image, options.display);
+        fmt::print("wrote {}\n", options.png);
+    }
+    if (const uint64_t invalid = invalidPixels(image))
+        fmt::print(stderr, "warning: output '{}' has {} pixels with NaN or infinity\n", shown, invalid);
+    if (!reference.empty()) {
+        const Errors errors = measureErrors(image, reference);
+        fmt::print("against {}: MAPE {:.6g}, relMSE {:.6g}, RMSE {:.6g}, bias {:+.4g}, invalid pixels {}\n", options.reference,
+                   errors.mape, errors.relMse, errors.rmse, errors.bias, errors.invalid);
+    }
+}
+
+void render(Options& options)
+{
+    parseSize(options.size, options.renderer);
+    checkFiles(options);
+    auto graph = std::make_unique<Graph>(readGraphFile(options.graph), Plugins());
+    checkOutputs(*graph, options);
+    const Image reference = readReference(options);
+    const auto scene = loadScene(options);
+    setKnobs(*graph, options, *scene);
+
+    Renderer renderer(scene, std::move(graph), options.renderer);
+    const auto& device = renderer.device().description();
+    fmt::print("{}, {}, {} back end\n", device.name, device.driver,
+               renderer.device().backend() == Backend::rayQuery ? "rayquery" : "software");
+    std::fflush(stdout);
+    const double seconds = renderFrames(renderer, options.frames);
+    printTimes(renderer, options.frames, seconds);
+    writeResults(renderer, options, reference);
+}
+
+void addInputOptions(CLI::App& command, Options& options)
+{
+    command.add_option("GRAPH", options.graph, "Graph file (.py or .json)")->required();
+    command.add_option("--scene", options.scene, "glTF 2.0 scene (.gltf or .glb)")->required();
+    command.add_option("--environment", options.environment, "Equirectangular .exr or .hdr, or a constant radiance r,g,b");
+    command.add_option("--camera", options.camera, "Number of the scene's camera, from 0");
+    command.add_option("--time", options.renderer.time, "Time of the first frame, s");
+    command.add_option("--fps", options.renderer.framesPerSecond, "Frames a second of scene time; 0: it stands still")
+        ->check(CLI::NonNegativeNumber);
+    command.add_option("--bounces", options.bounces, "Bounce cap of every pass that has one (default: the scene's own)");
+    command.add_option("--set", options.knobs, "PASS.KNOB=VALUE; may be repeated")->allow_extra_args(false);
+}
+
+void addOutputOptions(CLI::App& command, Options& options)
+{
+    command.add_option("--size", options.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+    command.add_option("--frames", options.frames, "Frames to render")->check(CLI::Range(1u, 100000000u))->capture_default_str();
+    command.add_option("--seed", options.renderer.seed, "Seed of all random numbers")->capture_default_str();
+    command.add_option("-o", options.exr, "EXR file for the outputs: the first as R, G, B, the others as layers");
+    command.add_flag("--half", options.half, "Half floats in the EXR");
+    command.add_option("--output", options.output, "Write only this output of the graph");
+    command.add_option("--png", options.png, "PNG file for the picture");
+    command.add_option("--exposure", options.display.exposure, "Of the PNG, in stops");
+    command.add_option("--ocio", options.display.config, "OpenColorIO config for the PNG (default: a small one of our own)");
+    command.add_option("--display", options.display.display, "Display of that config");
+    command.add_option("--view", options.display.view, "View of that display");
+    command.add_option("--reference", options.reference, "EXR to measure errors against");
+}
+
+void addDeviceOptions(CLI::App& command, DeviceOptions& options)
+{
+    command.add_option("--device", options.device, "Number or part of the name, as restirpg devices lists them");
+    command.add_option("--backend", options.backend, "Ray tracing: software or rayquery (default: what suits the device)");
+    command.add_flag("--validation", options.validation, "Turn the Vulkan validation layer on");
+}
+
+}  // namespace
+
+void addRenderCommand(CLI::App& app)
+{
+    auto* command = app.add_subcommand("render", "Render a scene through a graph");
+    auto options = std::make_shared<Options>();
+    addInputOptions(*command, *options);
+    addOutputOptions(*command, *options);
+    addDeviceOptions(*command, options->renderer.device);
+    command->callback([options] { render(*options); });
+}
+
+}  // namespace restirpg

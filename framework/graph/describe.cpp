@@ -1,0 +1,76 @@
+#include "graph/describe.h"
+
+#include "core/error.h"
+#include "core/table.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace restirpg {
+namespace {
+
+/// What a knob accepts, short: "0 .. 64", "world, screen".
+std::string rangeOf(const Knob& knob)
+{
+    const std::string type = knob.typeName();
+    if (type == "choice")
+        return fmt::format("{}", fmt::join(knob.choices, ", "));
+    if (type == "bool" || type == "string")
+        return "";
+    return fmt::format("{} .. {}", knob.minimum, knob.maximum);
+}
+
+std::string valueOf(const Knob& knob)
+{
+    const auto value = knob.get();
+    return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+Table inputTable(const Interface& interface)
+{
+    Table table({"input", "type", "meaning"});
+    for (const auto& input : interface.inputs())
+        table.add({input.name + (input.optional ? " (optional)" : ""), input.type.name, input.meaning});
+    return table;
+}
+
+Table outputTable(const Interface& interface)
+{
+    Table table({"output", "type", "size", "meaning"});
+    for (const auto& output : interface.outputs()) {
+        const auto& type = output.type;
+        const auto size = type.fixedBytes ? fmt::format("{} B", type.fixedBytes()) : fmt::format("{} B/pixel", type.bytesPerPixel);
+        table.add({output.name, type.name, size, output.meaning});
+    }
+    return table;
+}
+
+Table knobTable(const Interface& interface)
+{
+    Table table({"knob", "type", "default", "range", "meaning"});
+    for (const auto& knob : interface.knobs())
+        table.add({knob.name, knob.typeName(), valueOf(knob), rangeOf(knob),
+                   knob.meaning + (knob.structural ? " (a change rebuilds the pass)" : "")});
+    return table;
+}
+
+}  // namespace
+
+std::string describePass(const PluginEntry& entry, TextFormat format)
+{
+    const auto pass = entry.create();
+    Interface interface;
+    try {
+        pass->describe(interface);
+    } catch (const Error& error) {
+        fail("pass type '{}' describes itself wrongly: {}", entry.name, error.what());
+    }
+    const bool markdown = format == TextFormat::markdown;
+    std::string text = markdown ? "" : fmt::format("{}: {}\n", entry.name, entry.meaning);
+    for (const auto& table : {inputTable(interface), outputTable(interface), knobTable(interface)})
+        if (!table.empty())
+            text += (markdown && text.empty() ? "" : "\n") + (markdown ? table.markdown() : table.text());
+    return text;
+}
+
+}  // namespace restirpg
