@@ -125,7 +125,7 @@ def _build(name, lambert_only=False, roughness=0.15):
                    ("ClayTeapot", lambert("Clay", (0.82, 0.80, 0.75)))))
     _furnishings(scene)
     light = shapes.quad((0.1, HEIGHT - 0.02, -4.3), (1.2, 0, 0), (0, 0, 1.2))
-    scene.add("BackRoomLight", (light, emitter("Light", (1000.0, 850.0, 640.0))))
+    scene.add("BackRoomLight", (light, emitter("Light", (750.0, 640.0, 480.0))))
     scene.add_camera((0.50, 1.34, 2.0), (0.06, 0.84, -0.6), 45.0)
     return scene, door
 

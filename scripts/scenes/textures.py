@@ -235,3 +235,10 @@ def sky(sun_elevation, sun_azimuth, width=1024, sun_radiance=9000.0, turbidity_t
     radiance = np.where((direction[..., 1] < 0)[..., None], (0.16, 0.14, 0.12), radiance)
     disc = cosine > np.cos(np.radians(1.2))
     return np.where(disc[..., None], np.asarray(turbidity_tint) * sun_radiance, radiance)
+
+
+def tile_relief(size=512, count=4, seed=13):
+    """Height field of rounded tiles with joints and gentle waves, for `normals_of`."""
+    u, v = pixel_grid(size, size)
+    edge = np.minimum(np.abs((u * count + 0.5) % 1 - 0.5), np.abs((v * count + 0.5) % 1 - 0.5))
+    return np.clip(edge / 0.03, 0, 1) + 0.6 * noise(size, 3, seed)
