@@ -18,7 +18,7 @@ public:
         io.knob("jitter", jitter_, "sample the pixel uniformly (box filter) instead of at its centre; reuse over pixels or frames needs the centre");
     }
 
-    void build(Device& device) override { kernel_ = Kernel(device, RESTIRPG_PASS_FOLDER "/GBuffer.comp"); }
+    void build(Device& device) override { kernel_ = Kernel(device, passFile("GBuffer.comp")); }
 
     void record(Frame& frame) override
     {

@@ -14,7 +14,7 @@ public:
         io.knob("direct", direct_, "include direct light at the primary hit; off where ReSTIRDI owns it (through delta lobes it is always included)");
     }
 
-    void build(Device& device) override { kernel_ = Kernel(device, RESTIRPG_PASS_FOLDER "/PathTracerGuided.comp"); }
+    void build(Device& device) override { kernel_ = Kernel(device, passFile("PathTracerGuided.comp")); }
 
     void record(Frame& frame) override
     {

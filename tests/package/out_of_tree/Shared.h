@@ -1,7 +1,11 @@
 // The kernel's parameters. Shared by C++ and GLSL.
 #ifndef EXPOSURE_SHARED_H
 #define EXPOSURE_SHARED_H
+#ifdef __cplusplus
 #include "shaders/types.h"
+#else
+#include "types.h"
+#endif
 RESTIRPG_SHARED
 
 struct ExposureParams {
