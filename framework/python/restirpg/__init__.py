@@ -12,7 +12,7 @@ from restirpg.graph import Graph, GraphError, Port, prev
 __all__ = ["Graph", "GraphError", "Port", "prev"]
 
 
-def _native():
+def _load_native():
     return importlib.import_module("restirpg._native")
 
 
@@ -21,7 +21,7 @@ def __getattr__(name):
     if name.startswith("__") or name == "_native":
         raise AttributeError(f"module 'restirpg' has no attribute '{name}'")
     try:
-        native = _native()
+        native = _load_native()
     except ImportError as error:
         raise AttributeError(
             f"restirpg.{name} needs the binding module restirpg._native: {error}; "
@@ -31,6 +31,6 @@ def __getattr__(name):
 
 def __dir__():
     try:
-        return sorted({*__all__, *(name for name in dir(_native()) if not name.startswith("_"))})
+        return sorted({*__all__, *(name for name in dir(_load_native()) if not name.startswith("_"))})
     except ImportError:
         return sorted(__all__)

@@ -1,0 +1,58 @@
+// The Python module restirpg._native: scene, graph, renderer and images for scripts, the harness and notebooks.
+#include "binding.h"
+
+#include "core/error.h"
+
+namespace restirpg::python {
+
+py::array_t<float> toArray(Image&& image)
+{
+    const std::vector<py::ssize_t> shape = {py::ssize_t(image.height), py::ssize_t(image.width), py::ssize_t(image.channels)};
+    auto* data = new std::vector<float>(std::move(image.data));
+    const py::capsule owner(data, [](void* pointer) { delete static_cast<std::vector<float>*>(pointer); });
+    return py::array_t<float>(shape, data->data(), owner);
+}
+
+Image toImage(const FloatArray& array, const std::string& what)
+{
+    if ((array.ndim() != 2 && array.ndim() != 3) || array.size() == 0)
+        fail("{} must be an array (H, W) or (H, W, C) with pixels, not of shape {}", what,
+             py::str(py::tuple(array.attr("shape"))).cast<std::string>());
+    const auto channels = array.ndim() == 3 ? array.shape(2) : 1;
+    return {uint32_t(array.shape(1)), uint32_t(array.shape(0)), uint32_t(channels),
+            std::vector<float>(array.data(), array.data() + array.size())};
+}
+
+py::object toPython(const nlohmann::json& value)
+{
+    return py::module_::import("json").attr("loads")(value.dump());
+}
+
+nlohmann::json toJson(const py::object& value)
+{
+    const bool numpyScalar = py::hasattr(value, "item") && py::hasattr(value, "dtype");
+    const py::object plain = numpyScalar ? value.attr("item")() : value;
+    try {
+        const auto dumps = py::module_::import("json").attr("dumps");
+        return nlohmann::json::parse(dumps(plain, py::arg("allow_nan") = false).cast<std::string>());
+    } catch (const py::error_already_set& error) {
+        if (!error.matches(PyExc_TypeError) && !error.matches(PyExc_ValueError))
+            throw;
+        fail("{} is no number, truth value or text", py::repr(value).cast<std::string>());
+    }
+}
+
+}  // namespace restirpg::python
+
+PYBIND11_MODULE(_native, module)
+{
+    namespace py = pybind11;
+    module.doc() = "The renderer: load_scene, load_graph, Renderer, and images as NumPy arrays.\n\n"
+                   "A mistake of the user raises restirpg.Error, whose text names the file, the place and the mend. No object\n"
+                   "here may be used by two threads at once.";
+    py::register_exception<restirpg::Error>(module, "Error", PyExc_RuntimeError).doc() =
+        "A user's mistake or an unusable file or device: its text names the place and the mend.";
+    restirpg::python::bindImage(module);
+    restirpg::python::bindScene(module);
+    restirpg::python::bindRenderer(module);
+}

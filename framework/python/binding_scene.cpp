@@ -1,0 +1,95 @@
+// Scenes, graph descriptions and the list of devices.
+#include "binding.h"
+
+#include "core/error.h"
+#include "gpu/device.h"
+#include "graph/graph.h"
+#include "scene/gltf.h"
+
+#include <memory>
+#include <optional>
+
+namespace restirpg::python {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* LOAD_SCENE = R"(Read a glTF 2.0 scene (.gltf or .glb).
+
+camera: number of the scene's camera, from 0. environment: an equirectangular .exr or .hdr file, or a constant radiance
+"r,g,b" in W/sr/m^2, in place of the scene's own. Raises Error for files that are missing, damaged or unsupported.)";
+
+constexpr const char* LOAD_GRAPH = R"(Read a graph file (.py, evaluated by a Python of its own, or .json).
+
+Only its shape is checked here; Renderer checks it against the passes.)";
+
+std::shared_ptr<Scene> loadScene(const fs::path& file, uint32_t camera, const std::optional<std::string>& environment)
+{
+    auto scene = std::make_shared<Scene>(loadGltf(file));
+    if (environment)
+        scene->environment = loadEnvironment(*environment);
+    if (camera >= scene->cameras.size())
+        fail("{}: there is no camera {}; the scene has {}, counted from 0", file.string(), camera, scene->cameras.size());
+    scene->camera = camera;
+    return scene;
+}
+
+std::vector<std::string> nodeNames(const Scene& scene)
+{
+    std::vector<std::string> names;
+    for (const Node& node : scene.nodes)
+        names.push_back(node.name);
+    return names;
+}
+
+py::list devices()
+{
+    py::list result;
+    for (const DeviceDescription& device : listDevices()) {
+        py::dict entry;
+        entry["name"] = device.name;
+        entry["driver"] = device.driver;
+        entry["type"] = device.type;
+        entry["ray_query"] = device.rayQuery;
+        entry["missing"] = device.missing;
+        result.append(entry);
+    }
+    return result;
+}
+
+}  // namespace
+
+void bindScene(py::module_& module)
+{
+    using namespace py::literals;
+    py::class_<Scene, std::shared_ptr<Scene>>(module, "Scene", "A scene on the host, from load_scene.")
+        .def_readonly("file", &Scene::file, "Path it was read from.")
+        .def_readonly("hash", &Scene::hash, "Content hash of the file and all it refers to, 16 hexadecimal digits.")
+        .def_readonly("bounce_cap", &Scene::bounceCap, "The scene's own bounce cap, or None.")
+        .def_readonly("duration", &Scene::duration, "End of the last animation key, s.")
+        .def_property_readonly("triangles", &Scene::instancedTriangleCount, "Number of triangles, each instance counted.")
+        .def_property_readonly("cameras", [](const Scene& scene) { return scene.cameras.size(); }, "Number of cameras.")
+        .def_property_readonly("nodes", &nodeNames, "Names of the nodes, for Renderer.move_node.")
+        .def("__repr__", [](const Scene& scene) {
+            return fmt::format("<restirpg.Scene {}: {} triangles>", scene.file.string(), scene.instancedTriangleCount());
+        });
+    module.def("load_scene", &loadScene, LOAD_SCENE, "file"_a, "camera"_a = 0, "environment"_a = py::none(),
+               py::call_guard<py::gil_scoped_release>());
+
+    py::class_<GraphDescription>(module, "GraphDescription", "A graph as data, from load_graph.")
+        .def_property_readonly(
+            "description", [](const GraphDescription& graph) { return toPython(graph.json); },
+            "The description as a dictionary; restirpg.graph documents the schema.")
+        .def("__repr__", [](const GraphDescription& graph) {
+            return fmt::format("<restirpg.GraphDescription {}>", graph.json.value("name", "without a name"));
+        });
+    module.def(
+        "load_graph", [](const fs::path& file) { return GraphDescription{readGraphFile(file)}; }, LOAD_GRAPH, "file"_a,
+        py::call_guard<py::gil_scoped_release>());
+
+    module.def("devices", &devices,
+               "Every Vulkan device: a list of {name, driver, type, ray_query, missing}. A device is usable when `missing`, the "
+               "required features it lacks, is empty.");
+}
+
+}  // namespace restirpg::python
