@@ -11,6 +11,7 @@ def pipeline(bounces=8):
                   history=prev("accumulate.sums"))
     g.output("image", image.mean)
     g.output("variance", image.variance)
+    g.output("invalid", image.invalid)
     return g
 
 

@@ -2,8 +2,10 @@
 #include "app/commands.h"
 
 #include "core/error.h"
+#include "core/nearest.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <new>
@@ -16,6 +18,19 @@ int refuse(const std::string& message)
 {
     fmt::print(stderr, "{}\n", message);
     return EXIT_USER_ERROR;
+}
+
+/// A first word that is no subcommand: CLI11 would only say that one is missing.
+void checkSubcommand(const CLI::App& app, int argc, char** argv)
+{
+    std::vector<std::string> names;
+    for (const auto* subcommand : app.get_subcommands({}))
+        names.push_back(subcommand->get_name());
+    if (argc < 2 || argv[1][0] == '-' || std::find(names.begin(), names.end(), argv[1]) != names.end())
+        return;
+    const auto guess = restirpg::didYouMean(argv[1], names);
+    restirpg::fail("restirpg: there is no subcommand '{}'; subcommands: {}{}{}", argv[1], fmt::join(names, ", "),
+                   guess.empty() ? "" : "; ", guess);
 }
 
 /// CLI11's message, on one line and without the name of its exception class.
@@ -37,6 +52,7 @@ int main(int argc, char** argv)
     restirpg::addGraphCommand(app);
     restirpg::addDevicesCommand(app);
     try {
+        checkSubcommand(app, argc, argv);
         app.parse(argc, argv);
     } catch (const CLI::Success& help) {
         return app.exit(help);

@@ -3,6 +3,7 @@
 
 #include "app/progress.h"
 #include "core/error.h"
+#include "core/log.h"
 #include "core/table.h"
 #include "image/atomic.h"
 #include "image/metrics.h"
@@ -12,9 +13,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <cstring>
+#include <fstream>
 
 namespace restirpg {
 namespace {
@@ -57,8 +62,13 @@ void checkFiles(const Options& options)
             continue;
         if (std::filesystem::path(file).extension() != extension)
             fail("{}: the name must end in {}", file, extension);
-        temporaryName(file);
+        const auto trial = temporaryName(file);
+        if (!std::ofstream(trial))
+            fail("{}: cannot write: {}; choose another folder", file, std::strerror(errno));
+        std::filesystem::remove(trial);
     }
+    if (!options.png.empty())
+        checkDisplay(options.display);
 }
 
 std::shared_ptr<const Scene> loadScene(const Options& options)
@@ -88,24 +98,37 @@ void setKnobs(Graph& graph, const Options& options, const Scene& scene)
     }
 }
 
-/// Every output that will be written must be an image.
-void checkOutputs(const Graph& graph, const Options& options)
+const OutputPort& portOf(const Graph& graph, const GraphOutput& output)
+{
+    return graph.passes()[output.pass].interface.outputs()[output.output];
+}
+
+/// The output that is the picture: the user's, else the first. Outputs that no image file can hold are named.
+std::string chooseOutput(const Graph& graph, const Options& options)
 {
     std::vector<std::string> images;
     for (const auto& output : graph.outputs())
-        if (graph.passes()[output.pass].interface.outputs()[output.output].type.channels > 0)
+        if (portOf(graph, output).type.channels > 0)
             images.push_back(output.name);
-    bool found = options.output.empty();
+    const std::string chosen = options.output.empty() ? graph.outputs().front().name : options.output;
     for (const auto& output : graph.outputs()) {
-        const auto& pass = graph.passes()[output.pass];
-        const auto& port = pass.interface.outputs()[output.output];
-        found = found || output.name == options.output;
-        if ((options.output.empty() || output.name == options.output) && port.type.channels == 0)
-            fail("output '{}' ({}.{}) is a {}, which no image file can hold; choose one with --output: {}", output.name, pass.name,
-                 port.name, port.type.name, fmt::join(images, ", "));
+        const std::string type = portOf(graph, output).type.name;
+        const bool isImage = portOf(graph, output).type.channels > 0;
+        if (output.name == chosen && !isImage)
+            fail("output '{}' is a {}, which no image file can hold; choose one with --output: {}", chosen, type,
+                 fmt::join(images, ", "));
+        const uint32_t channels = portOf(graph, output).type.channels;
+        if (output.name == chosen && !options.png.empty() && channels != 1 && channels != 3)
+            fail("output '{}' has {} channels, a PNG has 1 or 3; choose another with --output, or -o for an EXR", chosen, channels);
+        if (output.name == chosen && !options.reference.empty() && channels != 3)
+            fail("output '{}' has {} channels, a --reference is compared with 3; choose another with --output", chosen, channels);
+        if (options.output.empty() && !isImage)
+            warn("output '{}' is a {}, which no image file can hold; it is left out", output.name, type);
     }
+    const bool found = std::any_of(graph.outputs().begin(), graph.outputs().end(), [&](const auto& o) { return o.name == chosen; });
     if (!found)
-        fail("--output {}: graph '{}' has no such output; choose one of: {}", options.output, graph.name(), fmt::join(images, ", "));
+        fail("--output {}: graph '{}' has no such output; choose one of: {}", chosen, graph.name(), fmt::join(images, ", "));
+    return chosen;
 }
 
 Image readReference(const Options& options)
@@ -143,22 +166,22 @@ void printTimes(const Renderer& renderer, uint32_t frames, double seconds)
     fmt::print("{} frame{} in {:.2f} s\n{}", frames, frames == 1 ? "" : "s", seconds, table.text());
 }
 
-uint64_t invalidPixels(const Image& image)
+/// Graphs name their count of dropped frames a pixel `invalid`.
+void reportInvalid(Renderer& renderer)
 {
-    uint64_t count = 0;
-    for (size_t pixel = 0; pixel < image.data.size(); pixel += image.channels) {
-        bool finite = true;
-        for (uint32_t c = 0; c < image.channels; ++c)
-            finite = finite && std::isfinite(image.data[pixel + c]);
-        count += !finite;
-    }
-    return count;
+    double count = 0;
+    for (const auto& output : renderer.graph().outputs())
+        if (output.name == "invalid" && portOf(renderer.graph(), output).type.channels == 1)
+            for (const float frames : renderer.output(output.name).data)
+                count += frames;
+    if (count > 0)
+        warn("{} samples were NaN or infinite and were left out; output 'invalid' shows where", count);
 }
 
-void writeResults(Renderer& renderer, const Options& options, const Image& reference)
+void writeResults(Renderer& renderer, const Options& options, const std::string& shown, const Image& reference)
 {
-    const std::string shown = options.output.empty() ? renderer.outputNames().front() : options.output;
     const Image image = renderer.output(shown);
+    reportInvalid(renderer);
     if (!options.exr.empty()) {
         renderer.save(options.exr, options.half ? PixelType::half : PixelType::full, options.output);
         fmt::print("wrote {}\n", options.exr);
@@ -167,8 +190,6 @@ void writeResults(Renderer& renderer, const Options& options, const Image& refer
         writePng(options.png, image, options.display);
         fmt::print("wrote {}\n", options.png);
     }
-    if (const uint64_t invalid = invalidPixels(image))
-        fmt::print(stderr, "warning: output '{}' has {} pixels with NaN or infinity\n", shown, invalid);
     if (!reference.empty()) {
         const Errors errors = measureErrors(image, reference);
         fmt::print("against {}: MAPE {:.6g}, relMSE {:.6g}, RMSE {:.6g}, bias {:+.4g}, invalid pixels {}\n", options.reference,
@@ -179,9 +200,12 @@ void writeResults(Renderer& renderer, const Options& options, const Image& refer
 void render(Options& options)
 {
     parseSize(options.size, options.renderer);
+    if (!(options.renderer.framesPerSecond >= 0) || !std::isfinite(options.renderer.framesPerSecond + options.renderer.time))
+        fail("--time {} --fps {}: give finite numbers, and no negative frame rate", options.renderer.time,
+             options.renderer.framesPerSecond);
     checkFiles(options);
     auto graph = std::make_unique<Graph>(readGraphFile(options.graph), Plugins());
-    checkOutputs(*graph, options);
+    const std::string shown = chooseOutput(*graph, options);
     const Image reference = readReference(options);
     const auto scene = loadScene(options);
     setKnobs(*graph, options, *scene);
@@ -193,7 +217,7 @@ void render(Options& options)
     std::fflush(stdout);
     const double seconds = renderFrames(renderer, options.frames);
     printTimes(renderer, options.frames, seconds);
-    writeResults(renderer, options, reference);
+    writeResults(renderer, options, shown, reference);
 }
 
 void addInputOptions(CLI::App& command, Options& options)
@@ -203,8 +227,7 @@ void addInputOptions(CLI::App& command, Options& options)
     command.add_option("--environment", options.environment, "Equirectangular .exr or .hdr, or a constant radiance r,g,b");
     command.add_option("--camera", options.camera, "Number of the scene's camera, from 0");
     command.add_option("--time", options.renderer.time, "Time of the first frame, s");
-    command.add_option("--fps", options.renderer.framesPerSecond, "Frames a second of scene time; 0: it stands still")
-        ->check(CLI::NonNegativeNumber);
+    command.add_option("--fps", options.renderer.framesPerSecond, "Frames a second of scene time; 0: it stands still");
     command.add_option("--bounces", options.bounces, "Bounce cap of every pass that has one (default: the scene's own)");
     command.add_option("--set", options.knobs, "PASS.KNOB=VALUE; may be repeated")->allow_extra_args(false);
 }

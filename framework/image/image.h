@@ -54,6 +54,9 @@ struct DisplayTransform {
     float exposure = 0;  ///< stops
 };
 
+/// Throws Error when the config, display or view is not there (naming the choices): to be asked before a long rendering.
+void checkDisplay(const DisplayTransform& transform);
+
 /// Write an 8-bit PNG of a 3-channel (or 1-channel) image, atomically. Pixels with a NaN or an infinity become black. Throws Error
 /// when the file cannot be written, or the config, display or view is not there (naming the choices).
 void writePng(const std::filesystem::path& file, const Image& image, const DisplayTransform& transform = {});

@@ -96,6 +96,11 @@ std::vector<float> exposed(const fs::path& file, const Image& image, float stops
 
 }  // namespace
 
+void checkDisplay(const DisplayTransform& transform)
+{
+    makeProcessor(transform);
+}
+
 void writePng(const fs::path& file, const Image& image, const DisplayTransform& transform)
 {
     std::vector<float> rgb = exposed(file, image, transform.exposure);

@@ -256,8 +256,9 @@ void Renderer::save(const std::filesystem::path& file, PixelType type, const std
         return;
     }
     std::vector<Layer> layers;
-    for (const auto& name : outputNames())
-        layers.push_back({layers.empty() ? "" : name, output(name)});
+    for (const auto& named : graph().outputs())
+        if (graph().passes()[named.pass].interface.outputs()[named.output].type.channels > 0)
+            layers.push_back({layers.empty() ? "" : named.name, output(named.name)});
     writeExr(file, layers, type, provenance());
 }
 
