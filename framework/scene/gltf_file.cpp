@@ -79,17 +79,33 @@ std::string_view jsonText(const std::string& file, const std::vector<uint8_t>& b
     return {text + 20, word(bytes, 12)};
 }
 
+/// Deepest nesting of brackets outside strings. (nlohmann's parser callback would tell, too, but in quadratic time.)
+int nestingDepth(std::string_view text)
+{
+    int depth = 0, deepest = 0;
+    bool quoted = false;
+    for (size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (quoted && c == '\\')
+            ++i;
+        else if (c == '"')
+            quoted = !quoted;
+        else if (!quoted && (c == '{' || c == '['))
+            deepest = std::max(deepest, ++depth);
+        else if (!quoted && (c == '}' || c == ']'))
+            --depth;
+    }
+    return deepest;
+}
+
 json parseJson(const std::string& file, std::string_view text)
 {
-    const auto shallow = [&](int depth, json::parse_event_t, json&) {
-        if (depth > MAX_JSON_DEPTH)
-            fail("{}: JSON nested deeper than {} levels; no exporter writes that, get the file anew", file, MAX_JSON_DEPTH);
-        return true;
-    };
+    if (nestingDepth(text) > MAX_JSON_DEPTH)
+        fail("{}: JSON nested deeper than {} levels; no exporter writes that, get the file anew", file, MAX_JSON_DEPTH);
     try {
-        return json::parse(text, shallow);
+        return json::parse(text);
     } catch (const json::exception& error) {
-        fail("{}: not glTF: {}; export it again", file, printable(std::string_view(error.what()).substr(0, 200)));
+        fail("{}: not glTF: {}; export it again", file, printable(error.what()));
     }
 }
 

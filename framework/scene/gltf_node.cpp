@@ -232,7 +232,7 @@ private:
                 continue;
             const auto inverse = glm::inverse(pose[i]);
             if (!std::isfinite(glm::dot(inverse[0] + inverse[1] + inverse[2] + inverse[3], glm::vec4(1)))) {
-                warn("{}: {}: its matrix is singular; its mesh is left out", file_.name(),
+                warn("{}: {}: its matrix has no inverse; its mesh is left out", file_.name(),
                      label("node", scene_.nodes[i].gltfIndex, source.name));
                 continue;
             }

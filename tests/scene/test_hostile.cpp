@@ -1,0 +1,293 @@
+// Damaged and hostile files: always one clear line, never a crash.
+#include "gltf_builder.h"
+
+#include "scene/gltf.h"
+#include "scene/lights.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+
+using namespace restirpg;
+using nlohmann::json;
+
+namespace {
+
+/// The Error of the square scene after `damage`; it must contain every one of `parts`.
+void expectError(const std::function<void(GltfBuilder&)>& damage, const std::vector<std::string>& parts)
+{
+    auto builder = squareScene();
+    damage(builder);
+    const auto message = errorOf(builder);
+    EXPECT_NE(message.find("scene.glb"), message.npos) << message;
+    for (const auto& part : parts)
+        EXPECT_NE(message.find(part), message.npos) << message << "\n  does not say: " << part;
+}
+
+json& primitiveOf(GltfBuilder& builder)
+{
+    return builder.json["meshes"][0]["primitives"][0];
+}
+
+json& positionsOf(GltfBuilder& builder)
+{
+    return builder.json["accessors"][size_t(primitiveOf(builder)["attributes"]["POSITION"])];
+}
+
+std::string errorOfBytes(const std::vector<uint8_t>& bytes, const char* name = "damaged.glb")
+{
+    writeBytes(scratch() / name, bytes);
+    return errorOf([&] { loadGltf(scratch() / name); });
+}
+
+}  // namespace
+
+TEST(Hostile, IndicesOutOfRangeAreNamed)
+{
+    expectError([](auto& b) { primitiveOf(b)["indices"] = b.addAccessor(std::vector<uint16_t>{0, 1, 4}, UNSIGNED_SHORT, "SCALAR"); },
+                {"mesh 0 'Square'", "index 2 is 4", "4 positions"});
+    expectError([](auto& b) { primitiveOf(b)["indices"] = 77; }, {"meshes[0].primitives[0].indices", "77", "accessors"});
+    expectError([](auto& b) { primitiveOf(b)["attributes"]["NORMAL"] = -1; }, {"primitives[0].attributes.NORMAL"});
+    expectError([](auto& b) { primitiveOf(b)["material"] = 0; }, {"material", "0 elements"});
+    expectError([](auto& b) { b.json["nodes"][0]["mesh"] = 3; }, {"nodes[0].mesh"});
+    expectError([](auto& b) { b.json["scene"] = 1; }, {"scene: 1"});
+    expectError([](auto& b) { b.json["scenes"][0]["nodes"] = {5}; }, {"scenes[0].nodes[0]"});
+    expectError([](auto& b) { b.json["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0; }, {"KHR_lights_punctual"});
+    expectError([](auto& b) { b.json["nodes"][0]["camera"] = 0; }, {"nodes[0].camera"});
+    expectError([](auto& b) { positionsOf(b)["bufferView"] = 4294967295u; }, {"accessors[0].bufferView"});
+}
+
+TEST(Hostile, NanAndInfiniteVerticesAreNamed)
+{
+    for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e20f})
+        expectError([&](auto& b) {
+            primitiveOf(b)["attributes"]["POSITION"] = b.addAccessor(std::vector<float>{0, 0, 0, 1, bad, 0, 1, 1, 0, 0, 1, 0}, FLOAT, "VEC3");
+        }, {"mesh 0 'Square' POSITION", " 1 "});
+    expectError([](auto& b) {
+        primitiveOf(b)["attributes"]["TEXCOORD_0"] = b.addAccessor(std::vector<float>(8, NAN), FLOAT, "VEC2");
+    }, {"TEXCOORD_0", "not a finite number"});
+}
+
+TEST(Hostile, CountsBeyondTheBufferAreNamed)
+{
+    expectError([](auto& b) { positionsOf(b)["count"] = 5; }, {"POSITION", "60 bytes", "48"});
+    expectError([](auto& b) { positionsOf(b)["count"] = 2147483647; }, {"POSITION"});
+    expectError([](auto& b) { positionsOf(b)["count"] = 4e9; }, {"accessors[0].count"});
+    expectError([](auto& b) { positionsOf(b)["count"] = -1; }, {"accessors[0].count"});
+    expectError([](auto& b) { positionsOf(b)["byteOffset"] = 4; }, {"POSITION"});
+    expectError([](auto& b) { positionsOf(b).erase("bufferView"); positionsOf(b)["count"] = 2000000000; }, {"no data", "POSITION"});
+    expectError([](auto& b) { b.json["bufferViews"][0]["byteLength"] = 1000000; }, {"bufferViews[0]", "1000000"});
+    expectError([](auto& b) { b.json["bufferViews"][0]["byteOffset"] = 2000000000; }, {"bufferViews[0]"});
+    expectError([](auto& b) { b.json["buffers"] = {{{"byteLength", 2000000000}}}; }, {"byteLength"});
+    expectError([](auto& b) { b.json["bufferViews"][0]["byteStride"] = 1000; }, {"byteStride"});
+}
+
+TEST(Hostile, WrongTypesAreNamed)
+{
+    expectError([](auto& b) { positionsOf(b)["type"] = "VEC2"; }, {"POSITION", "VEC2", "VEC3"});
+    expectError([](auto& b) { positionsOf(b)["type"] = "VEC9"; }, {"VEC9"});
+    expectError([](auto& b) { positionsOf(b)["componentType"] = 5130; }, {"5130"});
+    expectError([](auto& b) { primitiveOf(b)["mode"] = 9; }, {"mode 9"});
+    expectError([](auto& b) { primitiveOf(b)["attributes"] = 3; }, {"attributes", "an object"});
+    expectError([](auto& b) { b.json["materials"] = "none"; }, {"materials", "an array"});
+    expectError([](auto& b) { b.json["nodes"][0]["translation"] = {1, 2}; }, {"nodes[0].translation", "3 numbers"});
+    expectError([](auto& b) { b.json["nodes"][0]["scale"] = {1, 1e300, 1}; }, {"nodes[0].scale"});
+    expectError([](auto& b) { b.json["asset"].erase("version"); }, {"asset", "'version' is missing"});
+    expectError([](auto& b) { b.json["asset"]["version"] = "1.0"; }, {"1.0"});
+    expectError([](auto& b) { b.json["nodes"][0]["name"] = 3; }, {"nodes[0].name"});
+}
+
+TEST(Hostile, ScenesWithoutTrianglesAreErrors)
+{
+    expectError([](auto& b) { primitiveOf(b)["mode"] = 1; }, {"no triangles"});
+    expectError([](auto& b) { b.json["nodes"][0].erase("mesh"); }, {"no triangles"});
+    expectError([](auto& b) { b.json["nodes"][0]["scale"] = {1e12, 1e12, 1e12}; }, {"reaches beyond"});
+}
+
+TEST(Hostile, ImagesThatDoNotDecodeAreNamed)
+{
+    const auto textured = [](const std::vector<uint8_t>& image) {
+        return [=](GltfBuilder& b) {
+            primitiveOf(b)["material"] = b.addMaterial({{"normalTexture", {{"index", b.addTexture(image)}}}});
+            b.json["images"][0]["name"] = "Bricks";
+        };
+    };
+    auto png = encodePng(4, 4, std::vector<uint8_t>(64, 9));
+    auto truncated = png;
+    truncated.resize(45);
+    expectError(textured(truncated), {"image 0 'Bricks'", "damaged"});
+    expectError(textured(std::vector<uint8_t>(40, 1)), {"image 0 'Bricks'", "not a PNG or JPEG"});
+    auto giant = png;
+    giant[17] = 0x7f;  // IHDR width: 0x007f0004
+    expectError(textured(giant), {"image 0 'Bricks'", "8323076 x 4"});
+    auto empty = png;
+    empty[19] = 0;
+    expectError(textured(empty), {"image 0 'Bricks'"});
+    expectError([&](auto& b) { textured(png)(b); b.json["textures"][0].erase("source"); }, {"textures[0]", "no PNG or JPEG"});
+}
+
+TEST(Hostile, BrokenDataUrisAreOneShortLine)
+{
+    for (const char* uri : {"data:application/octet-stream;base64,####", "data:application/octet-stream;base64,", "data:,abc", "",
+                            "../../../../../../etc/passwd", "/etc/passwd", "."}) {
+        auto builder = squareScene();
+        builder.json["buffers"] = {{{"byteLength", 4}, {"uri", uri}}};
+        EXPECT_LT(errorOf([&] { loadGltf(builder.write(scratch() / "uri.gltf")); }).size(), 500u) << uri;
+    }
+    auto builder = squareScene();
+    builder.json["buffers"] = {{{"byteLength", 4}, {"uri", "data:application/octet-stream;base64," + std::string(100000, 'A')}}};
+    EXPECT_LT(errorOf([&] { loadGltf(builder.write(scratch() / "uri.gltf")); }).size(), 500u);
+}
+
+TEST(Hostile, DeepJsonIsRefused)
+{
+    const std::string open = R"({"asset":{"version":"2.0","extras":)", deep(100000, '[');
+    const auto text = open + deep + std::string(100000, ']') + "}}";
+    EXPECT_NE(errorOfBytes({text.begin(), text.end()}, "deep.gltf").find("nested"), std::string::npos);
+    const auto unclosed = open + deep;
+    EXPECT_NE(errorOfBytes({unclosed.begin(), unclosed.end()}, "deep.gltf").find("nested"), std::string::npos);
+}
+
+TEST(Hostile, EveryTruncationIsAnError)
+{
+    const auto whole = readBytes(squareScene().write(scratch() / "whole.glb"));
+    for (size_t size = 0; size < whole.size(); size += 1 + size / 50)
+        EXPECT_NE(errorOfBytes({whole.begin(), whole.begin() + long(size)}).find("damaged.glb"), std::string::npos) << size;
+}
+
+TEST(Hostile, OtherThingsThanFilesAreErrors)
+{
+    EXPECT_NE(errorOf([] { loadGltf(scratch() / "missing.glb"); }).find("no such file"), std::string::npos);
+    EXPECT_NE(errorOf([] { loadGltf(scratch()); }).find("not a file"), std::string::npos);
+    EXPECT_NE(errorOf([] { loadGltf("/dev/zero"); }).find("not a file"), std::string::npos);
+    EXPECT_NE(errorOfBytes({'[', ']', ' ', ' '}).find("not glTF"), std::string::npos);
+}
+
+TEST(Hostile, UnsupportedRequiredExtensionsAreNamed)
+{
+    expectError([](auto& b) { b.json["extensionsRequired"] = {"EXT_meshopt_compression"}; }, {"EXT_meshopt_compression"});
+}
+
+TEST(Hostile, MessagesStayOneLineWhateverTheNames)
+{
+    expectError([](auto& b) { b.json["meshes"][0]["name"] = "a\nb\tc" + std::string(1000, 'x'); primitiveOf(b)["mode"] = 9; },
+                {"a?b?c", "mode 9"});
+}
+
+namespace {
+
+/// Bits flipped, bytes replaced, ranges removed.
+std::vector<uint8_t> mutateBytes(std::vector<uint8_t> bytes, std::mt19937& random)
+{
+    const auto pick = [&](size_t n) { return size_t(random() % n); };
+    const size_t changes = 1 + pick(8);
+    for (size_t i = 0; i < changes && bytes.size() > 1; ++i) {
+        const size_t at = pick(bytes.size());
+        switch (pick(4)) {
+        case 0: bytes[at] ^= uint8_t(1u << pick(8)); break;
+        case 1: bytes[at] = uint8_t(random()); break;
+        case 2: bytes.erase(bytes.begin() + long(at), bytes.begin() + long(std::min(bytes.size(), at + 1 + pick(16)))); break;
+        default:
+            if (pick(4) == 0)
+                bytes.resize(at);
+        }
+    }
+    return bytes;
+}
+
+/// All places of a document.
+void collect(json& value, std::vector<json*>& places)
+{
+    places.push_back(&value);
+    if (value.is_structured())
+        for (auto& element : value)
+            collect(element, places);
+}
+
+/// A value below the root replaced by an awkward one, removed, or copied from elsewhere.
+void mutateJson(json& root, std::mt19937& random)
+{
+    static const std::vector<json> awkward = {
+        -1, 0, 1, 2, 3, 1000000, 2147483647, 2147483648u, 4294967295u, 1e30, -1e30, 1e300, 1e-30, 0.5, nullptr, true, "", "x", "MAT4",
+        "BLEND", json::array(), json::object(), {1, 2}, {{"a", 1}}, 5120, 5121, 5123, 5125, 5126};
+    std::vector<json*> places;
+    collect(root, places);
+    auto& place = *places[1 + random() % (places.size() - 1)];
+    const auto action = random() % 8;
+    if (action == 0 && place.is_object() && !place.empty())
+        place.erase(std::next(place.begin(), long(random() % place.size())));
+    else if (action == 1 && place.is_array() && !place.empty())
+        place.erase(place.begin() + long(random() % place.size()));
+    else if (action == 2)
+        place = json(*places[random() % places.size()]);
+    else if (!place.is_structured() || action == 3)
+        place = awkward[random() % awkward.size()];
+}
+
+/// Load, and use the scene as the renderer does. Either works or raises an Error of one line.
+bool survives(const std::filesystem::path& file)
+{
+    try {
+        const auto scene = loadGltf(file);
+        const auto pose = poseNodes(scene, 0.5f * scene.duration);
+        makeCamera(scene.cameras[0], pose[scene.cameras[0].node], 1.5f);
+        buildLightTable(scene, pose, 1);
+        for (size_t t = 0; t < scene.triangles.size(); ++t)
+            EXPECT_LT(scene.materialOfTriangle[t], scene.materials.size());
+        for (const auto& mesh : scene.meshes)
+            for (uint32_t t = 0; t < mesh.triangleCount; ++t)
+                for (int i = 0; i < 3; ++i)
+                    EXPECT_LT(scene.triangles[mesh.firstTriangle + t][i], mesh.vertexCount);
+        return true;
+    } catch (const Error& error) {
+        const std::string message = error.what();
+        EXPECT_EQ(message.find('\n'), message.npos) << message;
+        return false;
+    }
+}
+
+/// `count` mutants of a builder's file, half of its bytes and half of its JSON. Any other exception or a crash fails.
+void mutate(const GltfBuilder& builder, int count, uint32_t seed)
+{
+    std::mt19937 random(seed);
+    const auto original = readBytes(builder.write(scratch() / "original.glb"));
+    ASSERT_TRUE(survives(scratch() / "original.glb"));
+    int loaded = 0;
+    testing::internal::CaptureStderr();
+    for (int i = 0; i < count; ++i) {
+        const auto file = scratch() / "mutant.glb";
+        if (i % 2) {
+            writeBytes(file, mutateBytes(original, random));
+        } else {
+            auto mutant = builder;
+            for (uint32_t changes = 1 + random() % 3; changes > 0; --changes)
+                mutateJson(mutant.json, random);
+            mutant.write(file);
+        }
+        loaded += survives(file);
+    }
+    testing::internal::GetCapturedStderr();
+    // Both outcomes must be common, or the mutations test nothing.
+    EXPECT_GT(loaded, count / 20);
+    EXPECT_LT(loaded, count * 19 / 20);
+}
+
+}  // namespace
+
+TEST(Mutations, OfGeometryEndInASceneOrAnError)
+{
+    mutate(geometryScene(), 1000, 1);
+}
+
+TEST(Mutations, OfTexturesAndMaterialsEndInASceneOrAnError)
+{
+    mutate(texturedScene(), 1000, 2);
+}
+
+TEST(Mutations, OfNodesLightsAndAnimationEndInASceneOrAnError)
+{
+    mutate(animatedScene(), 1000, 3);
+}

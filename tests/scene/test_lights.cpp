@@ -1,0 +1,299 @@
+// The light table: powers, the alias method, the environment's density.
+#include "gltf_builder.h"
+
+#include "scene/lights.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+using namespace restirpg;
+using nlohmann::json;
+
+namespace {
+
+constexpr double PI = std::numbers::pi;
+
+/// Upper 1e-6 quantile of chi-square with k degrees of freedom [Wilson and Hilferty 1931]: the tests' false-alarm rate.
+double chiSquareLimit(double k)
+{
+    const double z = 4.7534, a = 2 / (9 * k);
+    return k * std::pow(1 - a + z * std::sqrt(a), 3);
+}
+
+/// Chi-square statistic of `samples` alias draws against `pmf`; infinite when a cell of probability 0 was hit.
+double chiSquare(const std::vector<AliasColumn>& table, const std::vector<float>& pmf, int samples, uint32_t seed)
+{
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> uniform(0, 1);
+    std::uniform_int_distribution<uint32_t> column(0, uint32_t(table.size() - 1));
+    std::vector<int> hits(table.size());
+    for (int i = 0; i < samples; ++i) {
+        const uint32_t c = column(random);
+        ++hits[uniform(random) < table[c].threshold ? c : table[c].alias];
+    }
+    double statistic = 0;
+    for (size_t i = 0; i < pmf.size(); ++i) {
+        const double expected = double(pmf[i]) * samples;
+        if (expected == 0)
+            statistic += hits[i] ? INFINITY : 0;
+        else
+            statistic += (hits[i] - expected) * (hits[i] - expected) / expected;
+    }
+    return statistic;
+}
+
+/// Weights over eleven orders of magnitude, zeros between.
+std::vector<double> wildWeights(size_t n)
+{
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> exponent(-6, 5);
+    std::vector<double> weights(n);
+    for (size_t i = 0; i < n; ++i)
+        weights[i] = i % 5 == 3 ? 0 : std::pow(10, exponent(random));
+    return weights;
+}
+
+/// The square with an emissive material, on nodes as given.
+GltfBuilder emissiveSquare(const json& material)
+{
+    auto builder = squareScene();
+    builder.json["meshes"][0]["primitives"][0]["material"] = builder.addMaterial(material);
+    return builder;
+}
+
+LightTable tableOf(const Scene& scene, float radius = 2)
+{
+    return buildLightTable(scene, poseNodes(scene, 0), radius);
+}
+
+double sumOfPmf(const LightTable& table)
+{
+    return std::accumulate(table.lights.begin(), table.lights.end(), 0.0, [](double sum, const Light& l) { return sum + l.pmf; });
+}
+
+/// A scene lit by an equirectangular texture of one lit texel.
+Scene oneTexelSky(uint32_t width, uint32_t height, uint32_t x, uint32_t y)
+{
+    auto scene = load(squareScene());
+    Texture sky;
+    sky.width = width;
+    sky.height = height;
+    sky.wrapV = Texture::Wrap::clampToEdge;
+    sky.floats.assign(size_t(width) * height * 4, 0.0f);
+    for (size_t c = 0; c < 3; ++c)
+        sky.floats[(size_t(y) * width + x) * 4 + c] = 50;
+    scene.environment->texture = sky;
+    return scene;
+}
+
+}  // namespace
+
+/// H0: the table draws column i with probability pmf[i]; 2^20 samples, 64 cells of which 51 are reachable.
+TEST(AliasTable, DrawsFollowThePmfItReports)
+{
+    const auto weights = wildWeights(64);
+    std::vector<float> pmf;
+    const auto table = buildAliasTable(weights, pmf);
+    EXPECT_LT(chiSquare(table, pmf, 1 << 20, 1), chiSquareLimit(50));
+
+    auto wrong = table;
+    for (auto& column : wrong)
+        column.threshold = std::min(1.0f, column.threshold + 0.01f);
+    EXPECT_GT(chiSquare(wrong, pmf, 1 << 20, 1), chiSquareLimit(50)) << "an error of 0.01 in the thresholds must show";
+}
+
+TEST(AliasTable, ThePmfIsTheOneTheFloatsRealiseAndTheWeightsAsk)
+{
+    const auto weights = wildWeights(1000);
+    const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+    std::vector<float> pmf;
+    const auto table = buildAliasTable(weights, pmf);
+    std::vector<double> realised(weights.size());
+    for (size_t i = 0; i < table.size(); ++i) {
+        realised[i] += double(table[i].threshold) / 1000;
+        realised[table[i].alias] += (1 - double(table[i].threshold)) / 1000;
+    }
+    for (size_t i = 0; i < weights.size(); ++i) {
+        EXPECT_EQ(pmf[i], float(realised[i]));
+        EXPECT_NEAR(pmf[i], weights[i] / sum, 1e-7);
+        EXPECT_EQ(pmf[i] == 0, weights[i] == 0) << i;
+    }
+}
+
+TEST(AliasTable, EqualWeightsNeedNoAlias)
+{
+    std::vector<float> pmf;
+    for (const auto& column : buildAliasTable(std::vector<double>(7, 0.1), pmf))
+        EXPECT_EQ(column.threshold, 1);
+    for (const float p : pmf)
+        EXPECT_FLOAT_EQ(p, 1.0f / 7);
+}
+
+TEST(AliasTable, UselessWeightsAreErrors)
+{
+    std::vector<float> pmf;
+    for (const auto& weights : {std::vector<double>{}, {0, 0}, {1, -1, 3}, {1, INFINITY}, {NAN, 1}})
+        EXPECT_FALSE(errorOf([&] { buildAliasTable(weights, pmf); }).empty());
+}
+
+TEST(LightTable, TrianglesWeighTheirPower)
+{
+    auto builder = emissiveSquare({{"emissiveFactor", {1, 1, 1}}});
+    // A second square of four times the area, and one mirrored of the first's.
+    builder.addNode({{"mesh", 0}, {"scale", {2, 2, 2}}});
+    builder.addNode({{"mesh", 0}, {"scale", {-1, 1, 1}}});
+    const auto scene = load(builder);
+    const auto table = tableOf(scene);
+    ASSERT_EQ(table.lights.size(), 6u);
+    EXPECT_NEAR(sumOfPmf(table), 1, 1e-6);
+    for (uint32_t i = 0; i < scene.instances.size(); ++i)
+        for (uint32_t t = 0; t < 2; ++t) {
+            const auto light = table.lightOfTriangle[table.lightMapOfInstance[i] + t];
+            EXPECT_EQ(table.lights[light].type, LIGHT_TRIANGLE);
+            EXPECT_EQ(table.lights[light].instance, i);
+            EXPECT_EQ(table.lights[light].triangle, t);
+            EXPECT_NEAR(table.lights[light].pmf, (i == 1 ? 4.0 : 1.0) / 12, 1e-6);
+        }
+}
+
+TEST(LightTable, EachKindOfLightWeighsItsPowerInWatts)
+{
+    auto builder = animatedScene();
+    builder.json["meshes"][0]["primitives"][0]["material"] =
+        builder.addMaterial({{"emissiveFactor", {1, 1, 1}}, {"doubleSided", true}});
+    const auto scene = load(builder);
+    const double radius = 2, disk = PI * radius * radius;
+    const auto table = tableOf(scene, float(radius));
+    const auto luminance = [](glm::dvec3 c) { return glm::dot(c, glm::dvec3(0.2126, 0.7152, 0.0722)); };
+    // A triangle of the square: area 1/2, two sides. The cubic spline scales the node by (1, 1, 1) at time 0.
+    const double triangle = PI * 0.5 * 2, point = 4 * PI * luminance({20, 10, 5}), spot = 2 * PI * (1 - std::cos(0.4)) * 5;
+    const double directional = disk * 3, environment = disk * 4 * PI * luminance({0.2, 0.4, 0.6});
+    const double sum = 2 * triangle + point + spot + directional + environment;
+    ASSERT_EQ(table.lights.size(), 6u);
+    const double expected[] = {triangle, point, spot, directional, environment};
+    for (const auto& light : table.lights)
+        EXPECT_NEAR(light.pmf, expected[light.type] / sum, 1e-6) << light.type;
+    EXPECT_EQ(table.lights[table.environmentLight].type, LIGHT_ENVIRONMENT);
+    EXPECT_TRUE(table.environmentCells.empty());
+}
+
+TEST(LightTable, WhatHasNoPowerIsLeftOut)
+{
+    auto builder = emissiveSquare({{"emissiveFactor", {1, 1, 1}}});
+    builder.json["meshes"][0]["primitives"][0]["indices"] =
+        builder.addAccessor(std::vector<uint16_t>{0, 1, 2, 0, 0, 1}, UNSIGNED_SHORT, "SCALAR");
+    const auto table = tableOf(load(builder));
+    ASSERT_EQ(table.lights.size(), 1u) << "the degenerate triangle is no light";
+    EXPECT_EQ(table.lightOfTriangle, (std::vector<uint32_t>{0, INVALID_INDEX}));
+
+    auto dark = load(squareScene());
+    dark.environment->radiance = glm::vec3(0);
+    EXPECT_TRUE(tableOf(dark).lights.empty());
+    EXPECT_EQ(tableOf(dark).environmentLight, INVALID_INDEX);
+    EXPECT_EQ(tableOf(dark).lightMapOfInstance, std::vector<uint32_t>{INVALID_INDEX});
+}
+
+TEST(LightTable, TexturedEmittersWeighTheirMean)
+{
+    // The lower left half of the image (under the first triangle, u + v > 1 in file coordinates) is bright.
+    std::vector<uint8_t> pixels(32 * 32 * 4, 255);
+    for (size_t y = 0; y < 32; ++y)
+        for (size_t x = 0; x < 32; ++x)
+            for (size_t c = 0; c < 3; ++c)
+                pixels[(y * 32 + x) * 4 + c] = y > x ? 255 : 0;
+    auto builder = emissiveSquare({{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", {{"index", 0}}}});
+    builder.addTexture(encodePng(32, 32, pixels));
+    const auto table = tableOf(load(builder));
+    ASSERT_EQ(table.lights.size(), 2u);
+    // The diagonal of the square runs from (0, 1) to (1, 0) in uv; y > x holds for half of either triangle.
+    EXPECT_NEAR(table.lights[0].pmf, 0.5, 0.05);
+
+    // Bright only left of u = 1/2: 1/4 of the first triangle (v > 1 - u there), 3/4 of the second.
+    for (size_t y = 0; y < 32; ++y)
+        for (size_t x = 0; x < 32; ++x)
+            for (size_t c = 0; c < 3; ++c)
+                pixels[(y * 32 + x) * 4 + c] = x < 16 ? 255 : 0;
+    builder = emissiveSquare({{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", {{"index", 0}}}});
+    builder.addTexture(encodePng(32, 32, pixels), {{"wrapS", 33071}, {"wrapT", 33071}});
+    EXPECT_NEAR(tableOf(load(builder)).lights[0].pmf, 0.25, 0.02);
+}
+
+TEST(LightTable, ASingleBrightTexelIsFound)
+{
+    std::vector<uint8_t> pixels(32 * 32 * 4, 0);
+    pixels[(20 * 32 + 25) * 4] = 255;
+    auto builder = emissiveSquare({{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", {{"index", 0}}}});
+    builder.addTexture(encodePng(32, 32, pixels));
+    const auto table = tableOf(load(builder));
+    ASSERT_EQ(table.lights.size(), 1u);
+    EXPECT_EQ(table.lights[0].pmf, 1);
+}
+
+TEST(LightTable, MovedNodesTakeTheirLightsAlong)
+{
+    const auto scene = load(animatedScene());
+    auto pose = poseNodes(scene, 0);
+    auto table = buildLightTable(scene, pose, 2);
+    const auto before = table.lights;
+    for (auto& matrix : pose)
+        matrix = glm::rotate(glm::translate(glm::mat4(1), glm::vec3(0, 0, 10)), float(PI), glm::vec3(0, 1, 0)) * matrix;
+    moveLights(table, scene, pose);
+    for (size_t i = 0; i < before.size(); ++i) {
+        EXPECT_EQ(table.lights[i].pmf, before[i].pmf);
+        if (before[i].type == LIGHT_POINT) {
+            EXPECT_LT(glm::length(table.lights[i].position - glm::vec3(-1, 2, 7)), 1e-5f);
+        }
+        if (before[i].type == LIGHT_DIRECTIONAL) {
+            EXPECT_LT(glm::length(table.lights[i].direction - glm::vec3(0, 0, 1)), 1e-5f);
+        }
+        if (before[i].type == LIGHT_SPOT) {
+            EXPECT_LT(glm::length(table.lights[i].direction - glm::vec3(0, 0, -1)), 1e-5f) << "it looked along +z before";
+        }
+    }
+}
+
+TEST(EnvironmentTable, TheDensityHasMeanOne)
+{
+    const auto table = tableOf(oneTexelSky(16, 8, 5, 3));
+    double sum = 0;
+    for (const auto& cell : table.environmentCells)
+        sum += cell.pdf;
+    EXPECT_NEAR(sum / (16 * 8), 1, 1e-6);
+}
+
+TEST(EnvironmentTable, TheDensityIsPositiveWhereverABilinearLookupIsBright)
+{
+    for (const auto& [x, y] : {std::pair(5u, 3u), {0u, 0u}, {15u, 7u}, {0u, 4u}}) {
+        const auto scene = oneTexelSky(16, 8, x, y);
+        const auto table = tableOf(scene);
+        int bright = 0, dark = 0;
+        for (int i = 0; i < 160; ++i)
+            for (int j = 0; j < 80; ++j) {
+                const glm::vec2 uv((float(i) + 0.5f) / 160, (float(j) + 0.5f) / 80);
+                const float pdf = table.environmentCells[size_t(j / 10) * 16 + size_t(i / 10)].pdf;
+                if (scene.environment->texture->sample(uv).x > 0) {
+                    EXPECT_GT(pdf, 0) << uv.x << " " << uv.y;
+                    ++bright;
+                }
+                dark += pdf == 0;
+            }
+        EXPECT_GT(bright, 0);
+        EXPECT_GT(dark, 0) << "and zero somewhere, else this test could not fail";
+    }
+}
+
+TEST(EnvironmentTable, AUniformSkyIsSampledBySolidAngle)
+{
+    auto scene = oneTexelSky(16, 8, 0, 0);
+    std::fill(scene.environment->texture->floats.begin(), scene.environment->texture->floats.end(), 1.0f);
+    const auto table = tableOf(scene);
+    for (size_t y = 0; y < 8; ++y) {
+        const double share = 0.5 * (std::cos(PI * double(y) / 8) - std::cos(PI * double(y + 1) / 8));
+        EXPECT_NEAR(table.environmentCells[y * 16].pdf, 8 * share, 1e-5) << y;
+    }
+}
