@@ -1,0 +1,242 @@
+"""The renderer through Python: frames, outputs, knobs, motion, cuts, measurements and refusals."""
+
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+from renderer_scenes import SIZE, frame_graph, make_renderer, renderer, restirpg, scene, scene_file  # noqa: F401
+
+
+def image_after(renderer, frames, output="image"):
+    """The output after so many more frames."""
+    renderer.render(frames)
+    return renderer.output(output)
+
+
+def refusal(action, *arguments, **keywords):
+    """The text of the restirpg.Error that the call must raise."""
+    with pytest.raises(restirpg.Error) as caught:
+        action(*arguments, **keywords)
+    return str(caught.value)
+
+
+def test_an_output_is_a_finite_float32_array_of_rows(renderer):
+    image = image_after(renderer, 2)
+    assert image.shape == (SIZE[1], SIZE[0], 3) and image.dtype == np.float32
+    assert np.isfinite(image).all() and image.mean() > 0.05
+    # Rows from the top: the light hangs from the ceiling.
+    assert image[:SIZE[1] // 2].mean() > image[SIZE[1] // 2:].mean()
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_picture(scene):
+    first, again, other = (image_after(make_renderer(scene, seed=seed), 3) for seed in (5, 5, 6))
+    assert first.tobytes() == again.tobytes()
+    assert first.tobytes() != other.tobytes()
+
+
+def test_frames_add_up_whichever_way_they_are_asked_for(scene):
+    in_one = make_renderer(scene)
+    in_three = make_renderer(scene)
+    in_one.render(5)
+    for count in (1, 0, 4):
+        in_three.render(count)
+    assert in_one.frame == in_three.frame == 5
+    assert in_one.output("image").tobytes() == in_three.output("image").tobytes()
+
+
+def test_mean_and_variance_are_those_of_the_frames_seen_one_by_one(scene):
+    renderer = make_renderer(scene, frame_graph())
+    frames = []
+    for _ in range(12):
+        renderer.render(1)
+        frames.append(renderer.output("radiance").astype(float) + renderer.output("emission"))
+    frames = np.array(frames)
+    np.testing.assert_allclose(renderer.output("mean"), frames.mean(0), rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(renderer.output("variance"), frames.var(0, ddof=1), rtol=2e-5, atol=1e-7)
+
+
+def test_a_cut_forgets_every_frame(renderer):
+    first = image_after(renderer, 2)
+    more = image_after(renderer, 3)
+    renderer.cut()
+    assert renderer.frame == 0
+    assert image_after(renderer, 2).tobytes() == first.tobytes() != more.tobytes()
+
+
+def test_knobs_are_read_set_and_refused_by_name(renderer):
+    assert renderer.knobs()["paths"]["bounces"] == renderer.get("paths.bounces")
+    renderer.set("paths.bounces", 3)
+    assert renderer.get("paths.bounces") == 3
+    assert renderer.set_everywhere("bounces", np.uint8(4)) == 1
+    assert renderer.get("paths.bounces") == 4
+    assert renderer.set_everywhere("no_such_knob", 1) == 0
+    for path, value in [("paths.bounces", "many"), ("paths.bounces", -1), ("paths.bounces", 2.5), ("paths.bounces", None),
+                        ("paths.bounces", float("nan")), ("paths.bonces", 2), ("pads.bounces", 2), ("bounces", 2)]:
+        assert "\n" not in refusal(renderer.set, path, value)
+    assert renderer.get("paths.bounces") == 4
+
+
+def test_a_knob_turns_the_picture(renderer):
+    assert np.median(image_after(renderer, 4)) > 0.05
+    renderer.cut()
+    renderer.set("paths.bounces", 0)  # no indirect light
+    renderer.set("paths.direct", False)
+    dark = image_after(renderer, 4)
+    assert np.median(dark) == 0 and dark.max() > 1  # but for the light itself
+
+
+def test_the_camera_is_moved_in_parts(renderer):
+    before = image_after(renderer, 1)
+    pose = renderer.camera
+    renderer.move_camera(position=(0.2, 1.0, 3.0))
+    moved = renderer.camera
+    np.testing.assert_allclose(moved["position"], (0.2, 1.0, 3.0), rtol=1e-6)
+    assert (moved["target"], moved["up"], moved["yfov"]) == (pose["target"], pose["up"], pose["yfov"])
+    renderer.cut()
+    assert np.abs(image_after(renderer, 1) - before).mean() > 0.01
+    renderer.move_camera(**pose)
+    renderer.cut()
+    np.testing.assert_allclose(image_after(renderer, 1).mean((0, 1)), before.mean((0, 1)), rtol=0.05)
+    assert "field of view" in refusal(renderer.move_camera, yfov=4.0)
+    assert "span" in refusal(renderer.move_camera, target=renderer.camera["position"])
+
+
+def test_a_node_is_moved_by_a_matrix_whose_last_column_is_the_translation(scene):
+    renderer = make_renderer(scene)
+    before = image_after(renderer, 1)
+    away = np.eye(4)
+    away[:3, 3] = (0, 0, 100)  # behind the camera
+    for name in ("Tower", "Prism"):
+        renderer.move_node(name, away)
+    renderer.cut()
+    after = image_after(renderer, 1)
+    lower = slice(SIZE[1] // 2, None)
+    assert np.abs(after[lower] - before[lower]).mean() > 0.02
+    assert "no node is named 'Towel'" in refusal(renderer.move_node, "Towel", away)
+    assert "matrix (4, 4)" in refusal(renderer.move_node, "Tower", np.eye(3))
+    assert "NaN" in refusal(renderer.move_node, "Tower", np.full((4, 4), np.nan))
+
+
+def test_times_and_memory_are_reported_for_every_pass(renderer):
+    renderer.render(1)
+    first = renderer.gpu_times()
+    renderer.render(1)
+    assert set(first) == {"gbuffer", "paths", "accumulate"} and min(first.values()) > 0
+    for name, total in renderer.total_gpu_times().items():
+        assert total == pytest.approx(first[name] + renderer.gpu_times()[name])
+    memory = renderer.memory()
+    assert memory["scene"] > 0
+    assert memory["accumulate.mean"] == SIZE[0] * SIZE[1] * 12
+    assert set(renderer.device_info) == {"name", "driver", "type", "backend"}
+    assert renderer.size == SIZE
+
+
+def test_a_saved_exr_holds_every_output_and_where_it_came_from(renderer, tmp_path):
+    image = image_after(renderer, 2)
+    renderer.save(tmp_path / "a.exr")
+    assert restirpg.read_exr(tmp_path / "a.exr").tobytes() == image.tobytes()
+    variance = restirpg.read_exr(tmp_path / "a.exr", layer="variance")
+    assert variance.tobytes() == renderer.output("variance").tobytes()
+    header = restirpg.read_exr_attributes(tmp_path / "a.exr")
+    assert header["restirpg.seed"] == "0" and header["restirpg.frames"] == "2"
+    assert header["restirpg.sceneHash"] and '"bounces"' in header["restirpg.knobs"]
+    renderer.save(tmp_path / "v.exr", half=True, output="variance")
+    np.testing.assert_allclose(restirpg.read_exr(tmp_path / "v.exr"), variance, rtol=1e-3, atol=1e-6)
+    assert "create it first" in refusal(renderer.save, tmp_path / "none" / "a.exr")
+    assert sorted(os.listdir(tmp_path)) == ["a.exr", "v.exr"]
+
+
+def test_errors_measured_on_the_device_are_those_measured_on_the_host(scene, tmp_path):
+    reference = image_after(make_renderer(scene, seed=1), 8)
+    restirpg.write_exr(tmp_path / "reference.exr", {"": reference})
+    graph = frame_graph()
+    errors = graph.add("errors", "ErrorMeasure", image=graph["accumulate"].mean, reference=str(tmp_path / "reference.exr"))
+    graph.output("errors", errors.errors)
+    graph.output("map", errors.map)
+    renderer = make_renderer(scene, graph)
+    host = restirpg.measure_errors(image_after(renderer, 2, "mean"), reference)
+    raw = renderer.read_port("errors.errors")
+    measured = [*raw[:16].view(np.float32), raw[16:].view(np.uint32)[0]]
+    np.testing.assert_allclose(measured, list(host.values()), rtol=1e-5)
+    assert renderer.output("map").shape == (SIZE[1], SIZE[0], 1)
+    assert renderer.output("map").mean() == pytest.approx(host["mape"], rel=1e-5)
+    assert "no image" in refusal(renderer.output, "errors")
+
+
+def test_an_error_of_a_pass_arrives_as_restirpg_error(scene):
+    graph = frame_graph()
+    errors = graph.add("errors", "ErrorMeasure", image=graph["accumulate"].mean)
+    graph.output("errors", errors.errors)
+    assert "set its knob 'reference'" in refusal(make_renderer, scene, graph)
+
+
+def test_other_threads_run_while_frames_are_rendered(renderer):
+    thread = threading.Thread(target=renderer.render, args=(60,))
+    thread.start()
+    turns = 0
+    while thread.is_alive():
+        turns += 1
+        time.sleep(0.001)
+    # With the interpreter locked, this thread would get a turn before the frames and one after them.
+    assert turns > 10 and renderer.frame == 60
+
+
+def test_an_interrupt_ends_rendering_between_two_frames(renderer):
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        renderer.render(3000)
+    assert 0 < renderer.frame < 3000
+    assert np.isfinite(renderer.output("image")).all()
+
+
+def test_a_graph_is_taken_as_a_file_an_object_or_a_dictionary(scene):
+    graph = frame_graph()
+    one = image_after(make_renderer(scene, graph), 1, "mean")
+    two = image_after(make_renderer(scene, graph.description()), 1, "mean")
+    assert one.tobytes() == two.tobytes()
+    assert "is no graph" in refusal(make_renderer, scene, 7)
+
+
+def test_the_scene_tells_what_it_holds(scene, scene_file):
+    assert "Tower" in scene.nodes and scene.cameras == 1 and scene.triangles > 20 and len(scene.hash) == 16
+    bright = restirpg.load_scene(scene_file, environment="3,3,3")
+    assert image_after(make_renderer(bright), 2).mean() > image_after(make_renderer(scene), 2).mean()
+
+
+@pytest.mark.parametrize(("options", "words"), [
+    ({"device": "no such device"}, "no such device"),
+    ({"backend": "magic"}, "magic"),
+])
+def test_an_impossible_device_is_one_clear_error(scene, options, words):
+    text = refusal(make_renderer, scene, **options)
+    assert words in text and "\n" not in text
+
+
+def test_bad_files_and_sizes_are_one_clear_error(scene, scene_file, tmp_path):
+    assert str(tmp_path / "none.glb") in refusal(restirpg.load_scene, tmp_path / "none.glb")
+    assert "there is no camera 3" in refusal(restirpg.load_scene, scene_file, camera=3)
+    assert "none.py" in refusal(restirpg.load_graph, tmp_path / "none.py")
+    assert "0x5" in refusal(restirpg.Renderer, scene, frame_graph(), size=(0, 5))
+    graph = restirpg.Graph("Wrong")
+    gbuffer = graph.add("gbuffer", "GBuffer")
+    graph.output("image", gbuffer.norml)
+    text = refusal(make_renderer, scene, graph)
+    assert "test_renderer.py" in text and "norml" in text
+
+
+def test_reading_before_the_first_frame_is_refused(renderer):
+    assert "render at least one frame" in refusal(renderer.output, "image")
+    assert "it has: image" in refusal(renderer.output, "picture")
+    assert renderer.output_names[0] == "image"
+
+
+def test_every_public_name_is_documented():
+    for name in ("load_scene", "load_graph", "devices", "read_exr", "write_exr", "write_png", "measure_errors", "Error",
+                 "Renderer", "Scene"):
+        assert getattr(restirpg, name).__doc__.strip()
+    for name, member in vars(restirpg.Renderer).items():
+        assert name.startswith("_") or member.__doc__.strip(), name
