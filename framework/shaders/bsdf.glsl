@@ -1,15 +1,16 @@
 // The one BSDF: glTF metallic-roughness with KHR_materials_{specular, ior, transmission, volume}, as a sum of three lobes that can
 // be addressed one by one. Local frame: z is the shading normal on wo's side; wo and wi point away from the surface; wo.z > 0.
 //
-//   diffuse   (1 - m)(1 - t) base / pi * (1 - Fc(wo)) (1 - Fc(wi)) / (1 - Fc_avg)
+//   diffuse   (1 - m)(1 - t) base / pi * (1 - Fc(wo)) (1 - Fc(wi)) / (1 - Fc_avg),  Fc the coat's share, see coat_cosine
 //   reflect   F D G / (4 cos_o cos_i),  F = mix(dielectric, Schlick(base), m)
 //   transmit  (1 - m) t base (1 - F) times Walter et al. 2007's GGX BTDF (solid), or a mirrored reflection (thin)
 //
-// Two deliberate deviations from glTF's sample BRDF. Diffuse: glTF's (1 - F(wo.h)) is neither bounded (a white surface reaches an
-// albedo of 1.9 at grazing) nor sampled well; the form above (Shirley et al. 1997, Kelemen & Szirmay-Kalos 2001) is reciprocal and
-// under a smooth coat a white base reflects exactly 1. Thin transmission: a pane has two faces, and the light between them sums to
-// a reflectance 2F / (1 + F), as in Mitsuba's `thindielectric`; glTF counts one face.
-// Single scattering only: rough surfaces lose energy (benchmarks/results/ggx_energy_loss.md), reciprocity is exact.
+// Two deliberate deviations from glTF's sample BRDF. Diffuse: under glTF's (1 - F(wo.h)) a white surface reaches an albedo of 1.9 at
+// grazing; the form above (Shirley et al. 1997, Kelemen & Szirmay-Kalos 2001) is reciprocal, conserves energy, and under a smooth coat
+// a white base reflects exactly 1. Thin transmission: a pane has two faces, and the light between them sums to a reflectance
+// 2F / (1 + F), as in Mitsuba's `thindielectric`; glTF counts one face.
+// Single scattering only: rough surfaces lose energy (benchmarks/results/ggx_energy_loss.md), reciprocity is exact. The diffuse part
+// of a half-transparent solid is its outer paint: from inside it absorbs.
 #ifndef RESTIRPG_BSDF_GLSL
 #define RESTIRPG_BSDF_GLSL
 
@@ -46,7 +47,7 @@ struct BsdfParameters {
 };
 
 struct Bsdf {
-    vec3 diffuse;  ///< (1 - m)(1 - t) base / (1 - Fc_avg)
+    vec3 diffuse;  ///< (1 - m)(1 - t) base / (1 - Fc_avg); 0 inside a solid
     vec3 metal;  ///< Schlick's F0
     vec3 transmittance;  ///< (1 - m) t base
     vec3 coat0;  ///< dielectric F at normal incidence, KHR_materials_specular applied
@@ -55,8 +56,8 @@ struct Bsdf {
     float metallic;
     float pane;  ///< share of the dielectric that is a thin pane
     float eta;  ///< n(far side) / n(wo's side); 0: infinite
-    float alpha;
-    float roughness;
+    float alpha;  ///< of GGX; 0 where the lobes are deltas
+    float roughness;  ///< linear
     uint lobes;  ///< LOBE_* that can be non-zero
     bool solid;
 };
@@ -113,19 +114,33 @@ vec3 transmit_fresnel(Bsdf b, float cosine)
     return fresnel_dielectric(cosine, b.eta) < 1.0 ? b.transmittance * (1.0 - coat) : vec3(0.0);
 }
 
+/// The cosine at which a smooth interface reflects what the rough one seen at `cosine` does: about the mean of wo.h over the facets
+/// that wo sees; the identity for alpha = 0. Fitted to quadratures of the GGX lobe for ior 1.2 to 2.4, on which it hardly depends,
+/// from the safe side: the reflectance is never 0.005 too small, and 0.03 too large at most for cosines above 0.15. With the macroscopic
+/// cosine instead, rough paint would turn black at grazing: the coat would take there what its facets do not reflect.
+float coat_cosine(float cosine, float alpha)
+{
+    float grazing = 0.511 * alpha / (0.228 + alpha);
+    float normal = 1.0 - 0.293 * alpha / (0.816 + alpha);
+    float linear = 1.222 * alpha * alpha;
+    float g2 = grazing * grazing;
+    return sqrt(g2 + cosine * (linear + cosine * (normal * normal - g2 - linear)));
+}
+
+/// Light that passes the coat towards the diffuse base, for one direction.
+vec3 coat_passage(Bsdf b, float cosine)
+{
+    return 1.0 - coat_fresnel(b, coat_cosine(cosine, b.alpha));
+}
+
 // ---- Construction and classes of lobes ----
 
-/// Cosine-weighted mean of coat_position over the hemisphere on wo's side.
-float coat_average(BsdfParameters p, float f0, bool inside)
+/// Cosine-weighted mean of coat_position over the hemisphere outside. The factor of alpha bounds the fall of the mean under roughness
+/// from below (for ior >= 1.2), so that the diffuse lobe never gains energy.
+float coat_average(BsdfParameters p, float alpha)
 {
-    if (p.ior == 0.0)
-        return 1.0 / 21.0;  // of (1 - cos)^5
-    if (!inside)
-        return p.coatAverage;
-    // Between the two sides of an interface 1 - F_avg scales with the squared index, for etendue is conserved.
-    float outside_average = f0 + (1.0 - f0) * p.coatAverage;
-    float inside_average = 1.0 - (1.0 - outside_average) / (p.ior * p.ior);
-    return (inside_average - f0) / max(1.0 - f0, 1e-6);
+    float smooth_average = p.ior == 0.0 ? 1.0 / 21.0 : p.coatAverage;  // infinite ior: the mean of (1 - cos)^5
+    return smooth_average / (1.0 + alpha * (2.6 + 12.4 * alpha));
 }
 
 Bsdf make_bsdf(BsdfParameters p)
@@ -142,11 +157,11 @@ Bsdf make_bsdf(BsdfParameters p)
     b.metallic = p.metallic;
     b.pane = b.solid ? 0.0 : p.transmission;
     b.roughness = p.roughness;
-    b.alpha = p.roughness * p.roughness;
+    b.alpha = p.roughness < DELTA_ROUGHNESS ? 0.0 : p.roughness * p.roughness;
 
-    vec3 average = mix(b.coat0, vec3(b.coat90), coat_average(p, b.f0, inside));
+    vec3 average = mix(b.coat0, vec3(b.coat90), coat_average(p, b.alpha));
     vec3 base = (1.0 - p.metallic) * p.baseColor;
-    b.diffuse = (1.0 - p.transmission) * base / max(1.0 - average, 1e-4);
+    b.diffuse = inside ? vec3(0.0) : (1.0 - p.transmission) * base / max(1.0 - average, 1e-4);
     b.transmittance = p.transmission * base;
 
     b.lobes = 0u;
@@ -181,14 +196,21 @@ uint bsdf_rough_lobes(Bsdf b, uint mask)
 
 // ---- Probabilities of lobes ----
 
-/// P(lobe | wo) of DIFFUSE, REFLECT, TRANSMIT: the lobes' luminances at the macroscopic normal. Exactly F and 1 - F for smooth
-/// clear glass. All zero where the surface absorbs everything.
+/// 1 for DIFFUSE, REFLECT, TRANSMIT where `lobes` has them, else 0.
+vec3 lobe_flags(uint lobes)
+{
+    return vec3(notEqual(uvec3(lobes) & uvec3(LOBE_DIFFUSE, LOBE_REFLECT, LOBE_TRANSMIT), uvec3(0u)));
+}
+
+/// P(lobe | wo) of DIFFUSE, REFLECT, TRANSMIT: the luminance that each scatters, about. Exactly F and 1 - F for smooth clear glass.
+/// All zero where the surface absorbs everything.
 vec3 bsdf_lobe_probabilities(Bsdf b, vec3 wo)
 {
-    vec3 present = vec3((uvec3(b.lobes) & uvec3(LOBE_DIFFUSE, LOBE_REFLECT, LOBE_TRANSMIT)) != uvec3(0u));
+    vec3 present = lobe_flags(b.lobes);
     vec3 rough = vec3(1.0, bsdf_is_delta(b, LOBE_REFLECT) ? 0.0 : 1.0, bsdf_is_delta(b, LOBE_TRANSMIT) ? 0.0 : 1.0);
-    vec3 weight = present * vec3(luminance(b.diffuse * (1.0 - coat_fresnel(b, wo.z))), luminance(reflect_fresnel(b, wo.z)),
-                                 luminance(transmit_fresnel(b, wo.z)));
+    float facet = coat_cosine(wo.z, b.alpha);
+    vec3 weight = present * vec3(luminance(b.diffuse * (1.0 - coat_fresnel(b, facet))), luminance(reflect_fresnel(b, facet)),
+                                 luminance(transmit_fresnel(b, facet)));
     float sum = weight.x + weight.y + weight.z;
     weight = max(weight, present * rough * (sum > 0.0 ? MIN_LOBE_PROBABILITY * sum : 1.0));
     return weight / max(weight.x + weight.y + weight.z, 1e-30);
@@ -258,7 +280,7 @@ vec3 bsdf_eval(Bsdf b, vec3 wo, vec3 wi, uint mask)
         return f;
     if (wi.z > 0.0) {
         if ((lobes & LOBE_DIFFUSE) != 0u)
-            f += b.diffuse * INV_PI * (1.0 - coat_fresnel(b, wo.z)) * (1.0 - coat_fresnel(b, wi.z));
+            f += b.diffuse * INV_PI * coat_passage(b, wo.z) * coat_passage(b, wi.z);
         if ((lobes & LOBE_REFLECT) != 0u) {
             float shape = eval_reflection(b, wo, wi, h);
             f += reflect_fresnel(b, dot(wo, h)) * shape;
@@ -346,7 +368,7 @@ BsdfSample bsdf_sample_lobe(Bsdf b, vec3 wo, uint lobe, vec2 u)
 /// The lobe that u in [0, 1) selects among those in `mask`, with probabilities P(lobe | wo) renormalised; 0 when there is none.
 uint bsdf_select_lobe(Bsdf b, vec3 wo, uint mask, float u)
 {
-    vec3 p = bsdf_lobe_probabilities(b, wo) * vec3((uvec3(mask) & uvec3(LOBE_DIFFUSE, LOBE_REFLECT, LOBE_TRANSMIT)) != uvec3(0u));
+    vec3 p = bsdf_lobe_probabilities(b, wo) * lobe_flags(mask);
     float at = u * (p.x + p.y + p.z);
     if (at < p.x)
         return LOBE_DIFFUSE;

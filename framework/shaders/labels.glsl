@@ -29,9 +29,7 @@ uint label_lobes(Bsdf b, uint label)
 /// P(label | x, wo): a function of the BSDF and wo only.
 float label_probability(Bsdf b, vec3 wo, uint label)
 {
-    uint lobes = label_lobes(b, label);
-    vec3 chosen = vec3((uvec3(lobes) & uvec3(LOBE_DIFFUSE, LOBE_REFLECT, LOBE_TRANSMIT)) != uvec3(0u));
-    return dot(bsdf_lobe_probabilities(b, wo), chosen);
+    return dot(bsdf_lobe_probabilities(b, wo), lobe_flags(label_lobes(b, label)));
 }
 
 /// Density of a draw within a label: bsdf_pdf restricted to its lobes and renormalised, 1/sr. Delta labels: 0.

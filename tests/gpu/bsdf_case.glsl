@@ -1,0 +1,40 @@
+// What the BSDF test kernels have in common.
+#include "labels.glsl"
+#include "random.glsl"
+#include "scene.glsl"
+#include "bsdf_case.h"
+
+layout(local_size_x = 64) in;
+layout(push_constant, scalar) uniform Parameters { BsdfCase test; };
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counters { uint at[]; };
+
+Bsdf test_bsdf()
+{
+    return make_bsdf(BsdfParameters(test.baseColor, test.metallic, test.roughness, test.specular, test.specularColor,
+                                    test.transmission, test.ior, test.coatAverage, test.solid != 0u, test.entering != 0u));
+}
+
+/// ERROR_BEND: a density of 0.95 at 0 that rises to 1.05 at 1.
+vec2 bend(vec2 u)
+{
+    return test.error == ERROR_BEND ? u + 0.05 * u * (u - 1.0) : u;
+}
+
+/// The test's draw: one lobe, or the whole BSDF.
+BsdfSample draw(Bsdf b, RandomKey key, uint index)
+{
+    vec4 u = random4(key, index, RANDOM_DIRECTION);
+    u.xy = bend(u.xy);
+    if (test.error == ERROR_ALPHA)
+        b.alpha *= 1.05;
+    if (test.error == ERROR_LOBE)
+        u.z *= 0.98;
+    return test.lobe == LOBE_ALL ? bsdf_sample(b, test.wo, u.z, u.xy) : bsdf_sample_lobe(b, test.wo, test.lobe, u.xy);
+}
+
+/// Mirrors the far side up for a thin sheet's transmission, which is a reflection continued.
+vec3 unfold(Bsdf b, vec3 wi)
+{
+    return test.lobe == LOBE_TRANSMIT && !b.solid ? vec3(wi.xy, -wi.z) : wi;
+}

@@ -1,0 +1,154 @@
+// Do the samplers of the BSDF draw what their pdfs say?
+//
+// Null hypothesis of each comparison: the counts of 2^20 draws in 64 x 32 bins are multinomial with the pdf's integral over each
+// bin. False-alarm rate: 1% over all comparisons of a test (Bonferroni). The same comparison must reject samplers and pdfs that
+// are wrong on purpose.
+#include "bsdf_cases.h"
+#include "gpu_test.h"
+#include "../support/statistics.h"
+
+#include <cmath>
+#include <numeric>
+
+namespace restirpg::test {
+namespace {
+
+constexpr uint32_t THREADS = 1u << 16;
+constexpr double DRAWS = double(THREADS) * DRAWS_A_THREAD;
+/// What the midpoint rule over 1024 points a bin may be off, of the whole mass.
+constexpr double QUADRATURE_ERROR = 2e-3;
+
+struct Histogram {
+    std::vector<uint32_t> counts;
+    double lost = 0;  ///< fraction of draws that carry nothing
+};
+
+Histogram sample(BsdfCase test)
+{
+    const Buffer counters = device().createBuffer((BINS + 1) * sizeof(uint32_t), "counters");
+    test.results = counters.address();
+    run("bsdf_sample", test, THREADS);
+    Histogram histogram;
+    histogram.counts = device().download<uint32_t>(counters, BINS + 1);
+    histogram.lost = histogram.counts.back() / DRAWS;
+    histogram.counts.pop_back();
+    return histogram;
+}
+
+struct Integrals {
+    std::vector<double> expected;  ///< draws a bin
+    double mass = 0;
+    double albedo = 0;  ///< luminance of the integral of f |cos|
+};
+
+Integrals integrate(BsdfCase test)
+{
+    const Buffer values = device().createBuffer(BINS * sizeof(glm::vec2), "integrals");
+    test.results = values.address();
+    run("bsdf_integrate", test, BINS);
+    Integrals integrals;
+    for (const glm::vec2& bin : device().download<glm::vec2>(values, BINS)) {
+        integrals.expected.push_back(bin.x * DRAWS);
+        integrals.mass += bin.x;
+        integrals.albedo += bin.y;
+    }
+    return integrals;
+}
+
+struct Case {
+    std::string name;
+    BsdfCase test;
+};
+
+/// Domain in which a lobe fills the bins.
+uint32_t domainOf(const BsdfCase& test)
+{
+    if (test.lobe == LOBE_DIFFUSE || test.lobe == LOBE_ALL)
+        return DOMAIN_SPHERE;
+    return test.lobe == LOBE_TRANSMIT && test.solid ? DOMAIN_REFRACTION : DOMAIN_REFLECTION;
+}
+
+/// Every rough lobe alone, and the whole BSDF where it is broad enough for bins on the sphere, seen from every direction.
+std::vector<Case> allCases(uint32_t error = ERROR_NONE)
+{
+    std::vector<Case> cases;
+    for (const NamedMaterial& entry : materials()) {
+        std::vector<uint32_t> lobes;
+        for (uint32_t lobe : entry.lobes)
+            if (lobe == LOBE_DIFFUSE || entry.material.roughness >= DELTA_ROUGHNESS)
+                lobes.push_back(lobe);
+        if (entry.material.roughness >= 0.3f)
+            lobes.push_back(LOBE_ALL);
+        for (uint32_t lobe : lobes)
+            for (size_t direction = 0; direction < directions().size(); ++direction) {
+                Case made{entry.name + ", lobe " + std::to_string(lobe) + ", direction " + std::to_string(direction), entry.material};
+                made.test.lobe = lobe;
+                made.test.wo = directions()[direction];
+                made.test.domain = domainOf(made.test);
+                made.test.seed = 1000 + uint32_t(cases.size());
+                made.test.error = error;
+                cases.push_back(made);
+            }
+    }
+    return cases;
+}
+
+TEST(BsdfSampling, EveryLobeDrawsFromItsPdf)
+{
+    const auto cases = allCases();
+    for (const Case& entry : cases) {
+        const Histogram drawn = sample(entry.test);
+        const ChiSquare result = chiSquare(drawn.counts, integrate(entry.test).expected);
+        EXPECT_GT(result.p, bonferroni(cases.size()))
+            << entry.name << ": chi-square " << result.statistic << " with " << result.degrees << " degrees of freedom";
+    }
+}
+
+TEST(BsdfSampling, EveryPdfIntegratesToOneLessTheLostDraws)
+{
+    const auto cases = allCases();
+    for (const Case& entry : cases) {
+        const double lost = sample(entry.test).lost;
+        const double standardError = std::sqrt(std::max(lost * (1 - lost), 1 / DRAWS) / DRAWS);
+        EXPECT_NEAR(integrate(entry.test).mass, 1 - lost, QUADRATURE_ERROR + 4.5 * standardError) << entry.name;
+    }
+}
+
+/// A lobe whose draws are mostly lost (behind the horizon, or under total internal reflection) has few left to test with.
+constexpr double MASS_THAT_SHOWS = 0.5;
+
+/// Expect that the chi-square test rejects every case of a lobe whose sampler is wrong in a given way.
+void expectRejection(uint32_t error, uint32_t lobe)
+{
+    const auto cases = allCases(error);
+    for (const Case& entry : cases) {
+        const Integrals integrals = integrate(entry.test);
+        if (entry.test.lobe != lobe || integrals.mass < MASS_THAT_SHOWS)
+            continue;
+        EXPECT_LT(chiSquare(sample(entry.test).counts, integrals.expected).p, bonferroni(cases.size())) << entry.name;
+    }
+}
+
+TEST(BsdfSampling, ADiffuseSamplerThatIsFivePercentUnevenIsRejected)
+{
+    expectRejection(ERROR_BEND, LOBE_DIFFUSE);
+}
+
+TEST(BsdfSampling, AnAlphaThatIsFivePercentTooLargeIsRejected)
+{
+    expectRejection(ERROR_ALPHA, LOBE_REFLECT);
+    expectRejection(ERROR_ALPHA, LOBE_TRANSMIT);
+}
+
+TEST(BsdfSampling, APdfThatIsTwoPercentTooLargeFailsTheIntegral)
+{
+    for (const Case& entry : allCases(ERROR_PDF)) {
+        const double mass = integrate(entry.test).mass;
+        if (mass < MASS_THAT_SHOWS)
+            continue;
+        EXPECT_GT(std::abs(mass - (1 - sample(entry.test).lost)), 3 * QUADRATURE_ERROR) << entry.name;
+    }
+}
+
+}  // namespace
+}  // namespace restirpg::test

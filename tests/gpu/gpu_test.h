@@ -1,0 +1,45 @@
+// What GPU tests share: one device with validation on, kernels by file name, one call to run them.
+#pragma once
+
+#include "gpu/kernel.h"
+#include "gpu/texture.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <map>
+
+namespace restirpg::test {
+
+/// The device of this process: lavapipe, or what RESTIRPG_TEST_DEVICE names. A validation message fails the call that caused it.
+inline Device& device()
+{
+    static const char* wanted = std::getenv("RESTIRPG_TEST_DEVICE");
+    static Device instance(DeviceOptions{.device = wanted ? wanted : "llvmpipe", .validation = true});
+    return instance;
+}
+
+/// tests/gpu/NAME.comp, compiled once a process.
+inline const Kernel& kernel(const std::string& name)
+{
+    static std::map<std::string, Kernel> kernels;
+    auto found = kernels.find(name);
+    if (found == kernels.end())
+        found = kernels.emplace(name, Kernel(device(), std::string(RESTIRPG_SOURCE) + "/tests/gpu/" + name + ".comp")).first;
+    return found->second;
+}
+
+/// Dispatch `threads` invocations of a kernel and wait.
+template <typename Parameters>
+void run(const std::string& name, const Parameters& parameters, uint32_t threads, const BindingSet* bindings = nullptr)
+{
+    static_assert(sizeof(Parameters) <= MAX_PARAMETER_BYTES);
+    const Kernel& compiled = kernel(name);
+    static BindingSet noTextures(device(), {});
+    device().submit([&](VkCommandBuffer commands) {
+        (bindings ? *bindings : noTextures).bind(commands);
+        compiled.dispatch(commands, &parameters, sizeof(parameters), threads);
+    });
+}
+
+}  // namespace restirpg::test

@@ -1,0 +1,1 @@
+restirpg_test(statistics_test SOURCES support/statistics_test.cpp)
