@@ -12,7 +12,8 @@ namespace restirpg {
 
 void addDevicesCommand(CLI::App& app)
 {
-    auto* command = app.add_subcommand("devices", "List the Vulkan devices; --device takes the number or a part of the name");
+    auto* command =
+        app.add_subcommand("devices", "List the Vulkan devices; --device takes the number or a part of the name");
     command->callback([] {
         const auto devices = listDevices();
         if (devices.empty())

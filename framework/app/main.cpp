@@ -45,7 +45,8 @@ int refuseArguments(const CLI::ParseError& error)
 
 int main(int argc, char** argv)
 {
-    CLI::App app("Renders glTF scenes through render graphs, to compare light transport methods on equal terms", "restirpg");
+    CLI::App app("Renders glTF scenes through render graphs, to compare light transport methods on equal terms",
+                 "restirpg");
     app.require_subcommand(1);
     restirpg::addRenderCommand(app);
     restirpg::addDescribeCommand(app);

@@ -56,7 +56,8 @@ void parseSize(const std::string& text, RendererOptions& options)
 void checkFiles(const Options& options)
 {
     if (options.exr.empty() && options.png.empty() && options.reference.empty())
-        fail("nothing to do with the picture; name a file with -o out.exr or --png out.png, or a --reference to compare with");
+        fail("nothing to do with the picture; name a file with -o out.exr or --png out.png, or a --reference to "
+             "compare with");
     for (const auto& [file, extension] : {std::pair(options.exr, ".exr"), std::pair(options.png, ".png")}) {
         if (file.empty())
             continue;
@@ -77,7 +78,8 @@ std::shared_ptr<const Scene> loadScene(const Options& options)
     if (!options.environment.empty())
         scene.environment = loadEnvironment(options.environment);
     if (options.camera && *options.camera >= scene.cameras.size())
-        fail("{}: there is no camera {}; the scene has {}, counted from 0", options.scene, *options.camera, scene.cameras.size());
+        fail("{}: there is no camera {}; the scene has {}, counted from 0", options.scene, *options.camera,
+             scene.cameras.size());
     scene.camera = options.camera.value_or(scene.camera);
     return std::make_shared<const Scene>(std::move(scene));
 }
@@ -119,15 +121,19 @@ std::string chooseOutput(const Graph& graph, const Options& options)
                  fmt::join(images, ", "));
         const uint32_t channels = portOf(graph, output).type.channels;
         if (output.name == chosen && !options.png.empty() && channels != 1 && channels != 3)
-            fail("output '{}' has {} channels, a PNG has 1 or 3; choose another with --output, or -o for an EXR", chosen, channels);
+            fail("output '{}' has {} channels, a PNG has 1 or 3; choose another with --output, or -o for an EXR",
+                 chosen, channels);
         if (output.name == chosen && !options.reference.empty() && channels != 3)
-            fail("output '{}' has {} channels, a --reference is compared with 3; choose another with --output", chosen, channels);
+            fail("output '{}' has {} channels, a --reference is compared with 3; choose another with --output", chosen,
+                 channels);
         if (options.output.empty() && !isImage)
             warn("output '{}' is a {}, which no image file can hold; it is left out", output.name, type);
     }
-    const bool found = std::any_of(graph.outputs().begin(), graph.outputs().end(), [&](const auto& o) { return o.name == chosen; });
+    const bool found =
+        std::any_of(graph.outputs().begin(), graph.outputs().end(), [&](const auto& o) { return o.name == chosen; });
     if (!found)
-        fail("--output {}: graph '{}' has no such output; choose one of: {}", chosen, graph.name(), fmt::join(images, ", "));
+        fail("--output {}: graph '{}' has no such output; choose one of: {}", chosen, graph.name(),
+             fmt::join(images, ", "));
     return chosen;
 }
 
@@ -137,8 +143,8 @@ Image readReference(const Options& options)
         return {};
     Image reference = readExr(options.reference);
     if (reference.width != options.renderer.width || reference.height != options.renderer.height)
-        fail("{}: the reference has {}x{} pixels; render with --size {}x{}", options.reference, reference.width, reference.height,
-             reference.width, reference.height);
+        fail("{}: the reference has {}x{} pixels; render with --size {}x{}", options.reference, reference.width,
+             reference.height, reference.width, reference.height);
     return reference;
 }
 
@@ -192,15 +198,16 @@ void writeResults(Renderer& renderer, const Options& options, const std::string&
     }
     if (!reference.empty()) {
         const Errors errors = measureErrors(image, reference);
-        fmt::print("against {}: MAPE {:.6g}, relMSE {:.6g}, RMSE {:.6g}, bias {:+.4g}, invalid pixels {}\n", options.reference,
-                   errors.mape, errors.relMse, errors.rmse, errors.bias, errors.invalid);
+        fmt::print("against {}: MAPE {:.6g}, relMSE {:.6g}, RMSE {:.6g}, bias {:+.4g}, invalid pixels {}\n",
+                   options.reference, errors.mape, errors.relMse, errors.rmse, errors.bias, errors.invalid);
     }
 }
 
 void render(Options& options)
 {
     parseSize(options.size, options.renderer);
-    if (!(options.renderer.framesPerSecond >= 0) || !std::isfinite(options.renderer.framesPerSecond + options.renderer.time))
+    if (!(options.renderer.framesPerSecond >= 0) ||
+        !std::isfinite(options.renderer.framesPerSecond + options.renderer.time))
         fail("--time {} --fps {}: give finite numbers, and no negative frame rate", options.renderer.time,
              options.renderer.framesPerSecond);
     checkFiles(options);
@@ -224,25 +231,30 @@ void addInputOptions(CLI::App& command, Options& options)
 {
     command.add_option("GRAPH", options.graph, "Graph file (.py or .json)")->required();
     command.add_option("--scene", options.scene, "glTF 2.0 scene (.gltf or .glb)")->required();
-    command.add_option("--environment", options.environment, "Equirectangular .exr or .hdr, or a constant radiance r,g,b");
+    command.add_option("--environment", options.environment,
+                       "Equirectangular .exr or .hdr, or a constant radiance r,g,b");
     command.add_option("--camera", options.camera, "Number of the scene's camera, from 0");
     command.add_option("--time", options.renderer.time, "Time of the first frame, s");
     command.add_option("--fps", options.renderer.framesPerSecond, "Frames a second of scene time; 0: it stands still");
-    command.add_option("--bounces", options.bounces, "Bounce cap of every pass that has one (default: the scene's own)");
+    command.add_option("--bounces", options.bounces,
+                       "Bounce cap of every pass that has one (default: the scene's own)");
     command.add_option("--set", options.knobs, "PASS.KNOB=VALUE; may be repeated")->allow_extra_args(false);
 }
 
 void addOutputOptions(CLI::App& command, Options& options)
 {
     command.add_option("--size", options.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
-    command.add_option("--frames", options.frames, "Frames to render")->check(CLI::Range(1u, 100000000u))->capture_default_str();
+    command.add_option("--frames", options.frames, "Frames to render")
+        ->check(CLI::Range(1u, 100000000u))
+        ->capture_default_str();
     command.add_option("--seed", options.renderer.seed, "Seed of all random numbers")->capture_default_str();
     command.add_option("-o", options.exr, "EXR file for the outputs: the first as R, G, B, the others as layers");
     command.add_flag("--half", options.half, "Half floats in the EXR");
     command.add_option("--output", options.output, "Write only this output of the graph");
     command.add_option("--png", options.png, "PNG file for the picture");
     command.add_option("--exposure", options.display.exposure, "Of the PNG, in stops");
-    command.add_option("--ocio", options.display.config, "OpenColorIO config for the PNG (default: a small one of our own)");
+    command.add_option("--ocio", options.display.config,
+                       "OpenColorIO config for the PNG (default: a small one of our own)");
     command.add_option("--display", options.display.display, "Display of that config");
     command.add_option("--view", options.display.view, "View of that display");
     command.add_option("--reference", options.reference, "EXR to measure errors against");
@@ -251,7 +263,8 @@ void addOutputOptions(CLI::App& command, Options& options)
 void addDeviceOptions(CLI::App& command, DeviceOptions& options)
 {
     command.add_option("--device", options.device, "Number or part of the name, as restirpg devices lists them");
-    command.add_option("--backend", options.backend, "Ray tracing: software or rayquery (default: what suits the device)");
+    command.add_option("--backend", options.backend,
+                       "Ray tracing: software or rayquery (default: what suits the device)");
     command.add_flag("--validation", options.validation, "Turn the Vulkan validation layer on");
 }
 

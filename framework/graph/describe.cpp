@@ -39,7 +39,8 @@ Table outputTable(const Interface& interface)
     Table table({"output", "type", "size", "meaning"});
     for (const auto& output : interface.outputs()) {
         const auto& type = output.type;
-        const auto size = type.fixedBytes ? fmt::format("{} B", type.fixedBytes()) : fmt::format("{} B/pixel", type.bytesPerPixel);
+        const auto size =
+            type.fixedBytes ? fmt::format("{} B", type.fixedBytes()) : fmt::format("{} B/pixel", type.bytesPerPixel);
         table.add({output.name, type.name, size, output.meaning});
     }
     return table;

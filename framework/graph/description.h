@@ -61,7 +61,7 @@ struct Description {
     std::vector<DescribedOutput> outputs;
 };
 
-/// Parse `json`. What has the wrong shape is reported and left out. `file` names the place where the description has none.
+/// Parse `json`. What has the wrong shape is reported and left out. `file` is the place where the description has none.
 Description parseDescription(const nlohmann::json& json, const std::string& file, Mistakes& mistakes);
 
 }  // namespace restirpg

@@ -35,8 +35,9 @@ std::string Graph::dot() const
     }
     for (const auto& output : outputs_) {
         const auto& source = passes_[output.pass];
-        text += fmt::format("    \"output {0}\" [label=\"{0}\", shape=ellipse];\n    \"{1}\" -> \"output {0}\" [label=\"{2}\"];\n",
-                            output.name, source.name, source.interface.outputs()[output.output].name);
+        text += fmt::format(
+            "    \"output {0}\" [label=\"{0}\", shape=ellipse];\n    \"{1}\" -> \"output {0}\" [label=\"{2}\"];\n",
+            output.name, source.name, source.interface.outputs()[output.output].name);
     }
     return text + "}\n";
 }

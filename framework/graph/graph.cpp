@@ -71,7 +71,8 @@ Knob& Graph::knob(const std::string& path)
     auto* pass = find(passName);
     if (!pass) {
         const auto names = namesOf(passes_);
-        fail("graph '{}' has no pass '{}'; passes: {}{}", name_, passName, fmt::join(names, ", "), guess(passName, names));
+        fail("graph '{}' has no pass '{}'; passes: {}{}", name_, passName, fmt::join(names, ", "),
+             guess(passName, names));
     }
     auto* found = findKnob(*pass, knobName);
     if (!found) {

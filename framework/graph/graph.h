@@ -11,8 +11,8 @@
 
 namespace restirpg {
 
-/// A graph file (.py, evaluated by pythonInterpreter(), or .json) as JSON, checked for shape only: see
-/// python/restirpg/graph.py for the schema. Throws Error, located in the file. What a Python file prints goes to the log.
+/// A graph file (.py, evaluated by pythonInterpreter(), or .json) as JSON, checked for shape only: the schema stands in
+/// python/restirpg/graph.py. Throws Error, located in the file. What a Python file prints goes to the log.
 nlohmann::json readGraphFile(const std::filesystem::path& file);
 
 /// An edge into an input port.
@@ -46,14 +46,15 @@ struct PlannedResource {
     uint32_t output;
     bool delayed;  ///< somebody reads last frame's value: two copies, alternating
     uint32_t firstUse;  ///< position in Graph::order of the pass that writes it
-    uint32_t lastUse;  ///< of the last pass that reads it; the end of the order when it outlives the frame (delayed, output)
+    /// Of the last pass that reads it; the end of the order when it outlives the frame (delayed, or a graph's output).
+    uint32_t lastUse;
 };
 
 /// A parsed, checked and ordered graph.
 class Graph {
 public:
-    /// From a description (readGraphFile) and the plugins at hand. Throws Error with every mistake found, each in a line located
-    /// in the graph file and, where there is more to say, an indented line of help.
+    /// From a description (readGraphFile) and the plugins at hand. Throws Error with every mistake found, each in a
+    /// line located in the graph file and, where there is more to say, an indented line of help.
     Graph(nlohmann::json description, const Plugins& plugins);
 
     const std::string& name() const { return name_; }
@@ -73,7 +74,7 @@ public:
     void setKnobFromText(const std::string& path, const std::string& text);
     /// Set "pass.knob" from a value; throws as knob(), and when the value does not suit.
     void setKnob(const std::string& path, const nlohmann::json& value);
-    /// Set `knob` on every pass that has it; the number of passes that do. Throws Error when the value does not suit it.
+    /// Set `knob` on every pass that has it; the number of passes that do. Throws Error when the value does not suit.
     uint32_t setKnobEverywhere(const std::string& knob, const nlohmann::json& value);
 
     /// The description with the knobs as they are now: what an EXR header carries, and a valid graph file.

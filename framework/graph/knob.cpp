@@ -42,8 +42,9 @@ std::string accepted(const Knob& knob)
 [[noreturn]] void refuse(const Knob& knob, const nlohmann::json& value)
 {
     const std::string guess = value.is_string() ? didYouMean(value.get<std::string>(), knob.choices) : "";
-    const std::string given = value.is_structured() ? std::string("an ") + value.type_name()
-                                                    : value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    const std::string given = value.is_structured()
+                                  ? std::string("an ") + value.type_name()
+                                  : value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     fail("knob '{}' must be {}, not {}{}{}", knob.name, accepted(knob), given, guess.empty() ? "" : "; ", guess);
 }
 
@@ -85,12 +86,11 @@ nlohmann::json booleanFrom(std::string text)
 
 std::string Knob::typeName() const
 {
-    return std::visit(Overloaded{[](bool*) -> std::string { return "bool"; },
-                                 [](int32_t*) -> std::string { return "int"; },
-                                 [](uint32_t*) -> std::string { return "uint"; },
-                                 [](float*) -> std::string { return "float"; },
-                                 [&](std::string*) -> std::string { return choices.empty() ? "string" : "choice"; }},
-                      target);
+    return std::visit(
+        Overloaded{[](bool*) -> std::string { return "bool"; }, [](int32_t*) -> std::string { return "int"; },
+                   [](uint32_t*) -> std::string { return "uint"; }, [](float*) -> std::string { return "float"; },
+                   [&](std::string*) -> std::string { return choices.empty() ? "string" : "choice"; }},
+        target);
 }
 
 nlohmann::json Knob::get() const

@@ -9,8 +9,8 @@
 namespace restirpg {
 namespace {
 
-/// Reports one cycle among the passes not yet done, and returns them in the order data flows. Each of those has an undelayed
-/// edge from another that is not done, so that walking backwards must come around.
+/// One cycle among the passes not yet done, in the order data flows. Each of those passes has an undelayed edge from
+/// another that is not done, so that walking backwards must come around.
 std::vector<uint32_t> findCycle(const std::vector<Edge>& edges, const std::vector<bool>& done)
 {
     std::vector<uint32_t> walk{uint32_t(std::find(done.begin(), done.end(), false) - done.begin())};
@@ -38,7 +38,8 @@ void reportCycle(const std::vector<GraphPass>& passes, const std::vector<Edge>& 
         names.push_back(passes[source].name);
         for (const auto& edge : edges)
             if (!edge.delayed && edge.source == source && edge.target == target)
-                inputs.push_back(fmt::format("{}.{}", passes[target].name, passes[target].interface.inputs()[edge.input].name));
+                inputs.push_back(
+                    fmt::format("{}.{}", passes[target].name, passes[target].interface.inputs()[edge.input].name));
     }
     names.push_back(names.front());
     mistakes.add(passes[cycle.front()].location, fmt::format("cycle without a delay: {}", fmt::join(names, " -> ")),
@@ -47,7 +48,8 @@ void reportCycle(const std::vector<GraphPass>& passes, const std::vector<Edge>& 
 
 }  // namespace
 
-std::vector<uint32_t> topologicalOrder(const std::vector<GraphPass>& passes, const std::vector<Edge>& edges, Mistakes& mistakes)
+std::vector<uint32_t> topologicalOrder(const std::vector<GraphPass>& passes, const std::vector<Edge>& edges,
+                                       Mistakes& mistakes)
 {
     std::vector<bool> done(passes.size(), false);
     const auto isReady = [&](uint32_t pass) {

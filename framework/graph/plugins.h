@@ -17,9 +17,9 @@ struct Plugin {
     std::filesystem::path library;  ///< empty for a pass of this process
 };
 
-/// Every pass at hand: `restirpg-pass-NAME.so` beside the framework and along RESTIRPG_PLUGIN_PATH (colon separated, searched
-/// first). The file name gives the pass's name; a library is loaded when its pass is first asked for, so that a broken one
-/// spoils no other.
+/// Every pass at hand: `restirpg-pass-NAME.so` beside the framework and along RESTIRPG_PLUGIN_PATH (colon separated,
+/// searched first). The file name gives the pass's name; a library is loaded when its pass is first asked for, so that
+/// a broken one spoils no other.
 class Plugins {
 public:
     /// Scan the standard folders.
@@ -32,7 +32,7 @@ public:
 
     /// Loads the pass's library if need be. nullptr when there is no such pass or it cannot be loaded: see problem().
     const Plugin* find(const std::string& name) const;
-    /// Why a pass that was found could not be loaded, naming its library and the mend; empty when there is nothing to say.
+    /// Why a pass that was found could not be loaded, naming its library and the mend; empty when nothing went wrong.
     std::string problem(const std::string& name) const;
 
 private:

@@ -14,7 +14,8 @@ namespace {
 template <typename Declarations>
 std::optional<uint32_t> indexOf(const Declarations& declarations, const std::string& name)
 {
-    const auto found = std::find_if(declarations.begin(), declarations.end(), [&](const auto& d) { return d.name == name; });
+    const auto found =
+        std::find_if(declarations.begin(), declarations.end(), [&](const auto& d) { return d.name == name; });
     if (found == declarations.end())
         return std::nullopt;
     return uint32_t(found - declarations.begin());
@@ -71,7 +72,8 @@ private:
                 created.pass = plugin->entry->create();
                 created.pass->describe(created.interface);
             } catch (const std::exception& error) {
-                mistakes_.add(described.location, fmt::format("{} describes itself wrongly: {}", label(created), error.what()));
+                mistakes_.add(described.location,
+                              fmt::format("{} describes itself wrongly: {}", label(created), error.what()));
                 created.pass = nullptr;
             }
         } else {
@@ -84,10 +86,12 @@ private:
     {
         const auto names = plugins_.names();
         if (const auto problem = plugins_.problem(described.type); !problem.empty()) {
-            mistakes_.add(described.location, fmt::format("pass type '{}' cannot be loaded: {}", described.type, problem));
+            mistakes_.add(described.location,
+                          fmt::format("pass type '{}' cannot be loaded: {}", described.type, problem));
         } else if (names.empty()) {
-            mistakes_.add(described.location, fmt::format("there is no pass type '{}'", described.type),
-                          fmt::format("no passes found in {}; add folders in RESTIRPG_PLUGIN_PATH", plugins_.searched()));
+            mistakes_.add(
+                described.location, fmt::format("there is no pass type '{}'", described.type),
+                fmt::format("no passes found in {}; add folders in RESTIRPG_PLUGIN_PATH", plugins_.searched()));
         } else {
             mistakes_.add(described.location, fmt::format("there is no pass type '{}'", described.type),
                           choicesHelp("pass types", names, described.type, names));
@@ -136,8 +140,9 @@ private:
             return;
         const auto& found = wiring_.passes[source->first].interface.outputs()[source->second];
         if (found.type.name != wanted.type.name)
-            mistakes_.add(pass.location, fmt::format("input '{}' of {} takes {}, but {} is {}", wanted.name, label(pass),
-                                                     wanted.type.name, port.text(), found.type.name),
+            mistakes_.add(pass.location,
+                          fmt::format("input '{}' of {} takes {}, but {} is {}", wanted.name, label(pass),
+                                      wanted.type.name, port.text(), found.type.name),
                           typeHelp(wanted.type));
         else
             wiring_.edges.push_back({source->first, source->second, target, input, port.delayed});
@@ -160,8 +165,10 @@ private:
         const auto output = indexOf(pass.interface.outputs(), port.output);
         if (!output) {
             const auto names = namesOf(pass.interface.outputs());
-            mistakes_.add(where, fmt::format("{} reads {}, but {} has no output '{}'", reader, port.text(), label(pass), port.output),
-                          choicesHelp("outputs", names, port.output, names));
+            mistakes_.add(
+                where,
+                fmt::format("{} reads {}, but {} has no output '{}'", reader, port.text(), label(pass), port.output),
+                choicesHelp("outputs", names, port.output, names));
             return std::nullopt;
         }
         return std::pair(*source, *output);
@@ -183,7 +190,8 @@ private:
     {
         for (const auto& [name, value] : described.knobs) {
             if (indexOf(pass.interface.inputs(), name)) {
-                mistakes_.add(pass.location, fmt::format("'{}' of {} is an input: wire it to an output of a pass", name, label(pass)),
+                mistakes_.add(pass.location,
+                              fmt::format("'{}' of {} is an input: wire it to an output of a pass", name, label(pass)),
                               typeHelp(pass.interface.inputs()[*indexOf(pass.interface.inputs(), name)].type));
                 continue;
             }
@@ -205,11 +213,13 @@ private:
     void addOutputs()
     {
         if (description_.outputs.empty())
-            mistakes_.add(description_.location, "the graph has no output; add one, as in g.output(\"image\", accumulate.mean)");
+            mistakes_.add(description_.location,
+                          "the graph has no output; add one, as in g.output(\"image\", accumulate.mean)");
         for (const auto& described : description_.outputs) {
             if (indexOf(wiring_.outputs, described.name))
                 mistakes_.add(described.location, fmt::format("output '{}' is added twice", described.name));
-            else if (const auto source = resolve(described.port, described.location, fmt::format("output '{}'", described.name)))
+            else if (const auto source =
+                         resolve(described.port, described.location, fmt::format("output '{}'", described.name)))
                 wiring_.outputs.push_back({described.name, source->first, source->second});
         }
     }

@@ -34,8 +34,12 @@ struct Writer {
         json wired = json::object();
         for (const auto& [input, source] : inputs)
             wired[input] = source ? port(source) : json();
-        graph["passes"].push_back({{"name", name}, {"type", type}, {"file", "g.py"}, {"line", ++line},
-                                   {"inputs", wired}, {"knobs", std::move(knobs)}});
+        graph["passes"].push_back({{"name", name},
+                                   {"type", type},
+                                   {"file", "g.py"},
+                                   {"line", ++line},
+                                   {"inputs", wired},
+                                   {"knobs", std::move(knobs)}});
         return *this;
     }
 

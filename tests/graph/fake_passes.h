@@ -124,8 +124,8 @@ const PluginEntry* entry(const char* name)
 
 inline Plugins fakePlugins()
 {
-    return Plugins({entry<GBuffer>("GBuffer"), entry<Paths>("Paths"), entry<Fit>("Fit"), entry<Accumulate>("Accumulate"),
-                    entry<Blur>("Blur"), entry<Twice>("Twice")});
+    return Plugins({entry<GBuffer>("GBuffer"), entry<Paths>("Paths"), entry<Fit>("Fit"),
+                    entry<Accumulate>("Accumulate"), entry<Blur>("Blur"), entry<Twice>("Twice")});
 }
 
 }  // namespace restirpg::test

@@ -8,6 +8,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <random>
 
 namespace restirpg {
 namespace {
@@ -77,12 +78,14 @@ TEST_F(GraphFile, PythonMistakesAreOneLocatedLine)
     EXPECT_EQ(python("x = (\n"), "g.py:1: SyntaxError: '(' was never closed");
     EXPECT_EQ(python("import sys\nsys.exit(0)\n"), "g.py:2: SystemExit: 0");
     EXPECT_EQ(python(""), "g.py:1: the file has no variable 'graph'; end it with graph = ..., a restirpg.Graph");
-    EXPECT_EQ(python("graph = 3\n"), "g.py:1: the file has a int in its variable 'graph'; end it with graph = ..., a restirpg.Graph");
+    EXPECT_EQ(python("graph = 3\n"),
+              "g.py:1: the file has a int in its variable 'graph'; end it with graph = ..., a restirpg.Graph");
 }
 
 TEST_F(GraphFile, AnInterpreterThatDiesIsNamed)
 {
-    EXPECT_NE(python("import os\nos.abort()\n").find("ended with code 134 while evaluating the graph file"), std::string::npos);
+    EXPECT_NE(python("import os\nos.abort()\n").find("ended with code 134 while evaluating the graph file"),
+              std::string::npos);
 }
 
 TEST_F(GraphFile, AMissingInterpreterIsNamed)
@@ -91,7 +94,8 @@ TEST_F(GraphFile, AMissingInterpreterIsNamed)
     setenv("RESTIRPG_PYTHON", "/no/such/python3", 1);
     const auto message = refusal("g.py");
     unsetenv("RESTIRPG_PYTHON");
-    EXPECT_EQ(message, "g.py: cannot start /no/such/python3: No such file or directory; RESTIRPG_PYTHON names the interpreter");
+    EXPECT_EQ(message,
+              "g.py: cannot start /no/such/python3: No such file or directory; RESTIRPG_PYTHON names the interpreter");
 }
 
 TEST_F(GraphFile, UnreadableFilesAreNamed)
@@ -102,7 +106,8 @@ TEST_F(GraphFile, UnreadableFilesAreNamed)
     EXPECT_EQ(refusal("none.py"), "none.py: cannot read the graph file: No such file or directory");
     EXPECT_EQ(refusal("folder.py"), "folder.py: cannot read the graph file: Is a directory");
     EXPECT_EQ(refusal("g.txt"), "g.txt: a graph file ends in .py or .json");
-    EXPECT_EQ(refusal("empty.json"), "empty.json: the file is empty; a graph is an object with \"name\", \"passes\" and \"outputs\"");
+    EXPECT_EQ(refusal("empty.json"),
+              "empty.json: the file is empty; a graph is an object with \"name\", \"passes\" and \"outputs\"");
 }
 
 TEST_F(GraphFile, BrokenJsonIsLocated)
@@ -116,6 +121,26 @@ TEST_F(GraphFile, BrokenJsonIsLocated)
     EXPECT_EQ(refusal("g.json"), "g.json: not a graph: nested deeper than 64 levels");
     write("g.json", "{}");
     EXPECT_EQ(refusal("g.json"), "g.json: the graph needs a text \"name\"");
+}
+
+TEST_F(GraphFile, DamagedJsonIsReadOrRefusedInOneLine)
+{
+    const std::string original =
+        R"({"name": "G", "passes": [{"name": "a", "type": "A", "inputs": {"history": {"pass": "a",
+        "output": "sums", "delayed": true}}, "knobs": {"x": -1.5e3}}],
+        "outputs": [{"name": "i", "pass": "a", "output": "m"}]})";
+    std::mt19937 random(5);
+    uint32_t refused = 0;
+    for (int trial = 0; trial < 500; ++trial) {
+        std::string text = original.substr(0, random() % 5 ? original.size() : random() % original.size());
+        for (uint32_t i = 0, count = random() % 4; i < count && !text.empty(); ++i)
+            text[random() % text.size()] ^= char(1 << random() % 8);
+        write("g.json", text);
+        const auto message = refusal("g.json");
+        refused += !message.empty();
+        EXPECT_TRUE(message.empty() || message.starts_with("g.json:")) << message;
+    }
+    EXPECT_GT(refused, 100u);
 }
 
 /// The plugin folder built for these tests, and a fresh one with a file that is no library.
@@ -153,13 +178,15 @@ TEST_F(PluginLibraries, BrokenOnesAreNamedWhenAskedForAndSpoilNoOther)
         return plugins.problem(name);
     };
     const std::string folder = TEST_PLUGINS;
-    EXPECT_EQ(problem("WrongAbi"), folder + "/restirpg-pass-WrongAbi.so: built for plugin ABI " + std::to_string(PLUGIN_ABI + 1) +
-                                       ", this framework has " + std::to_string(PLUGIN_ABI) + "; rebuild the pass");
+    EXPECT_EQ(problem("WrongAbi"), folder + "/restirpg-pass-WrongAbi.so: built for plugin ABI " +
+                                       std::to_string(PLUGIN_ABI + 1) + ", this framework has " +
+                                       std::to_string(PLUGIN_ABI) + "; rebuild the pass");
     EXPECT_EQ(problem("Empty"), folder + "/restirpg-pass-Empty.so: it exports no pass; its source must end with "
                                          "RESTIRPG_PASS(Empty, \"...\")");
     EXPECT_EQ(problem("Misnamed"), folder + "/restirpg-pass-Misnamed.so: it contains the pass 'Renamed'; name the file "
                                             "restirpg-pass-Renamed.so");
-    EXPECT_TRUE(problem("Garbage").ends_with("restirpg-pass-Garbage.so: file too short; rebuild the pass against this framework"))
+    EXPECT_TRUE(problem("Garbage").ends_with(
+        "restirpg-pass-Garbage.so: file too short; rebuild the pass against this framework"))
         << problem("Garbage");
     EXPECT_EQ(problem("None"), "");
     EXPECT_NE(plugins.find("Good"), nullptr);
@@ -172,16 +199,18 @@ TEST_F(PluginLibraries, ABrokenOneIsAMistakeOfTheGraphThatAsksForIt)
         Graph(readGraphFile("g.py"), Plugins());
         FAIL() << "a broken plugin was accepted";
     } catch (const Error& error) {
-        EXPECT_EQ(std::string(error.what()), "g.py:3: pass type 'Empty' cannot be loaded: " + std::string(TEST_PLUGINS) +
-                                                 "/restirpg-pass-Empty.so: it exports no pass; its source must end with "
-                                                 "RESTIRPG_PASS(Empty, \"...\")");
+        EXPECT_EQ(std::string(error.what()),
+                  "g.py:3: pass type 'Empty' cannot be loaded: " + std::string(TEST_PLUGINS) +
+                      "/restirpg-pass-Empty.so: it exports no pass; its source must end with "
+                      "RESTIRPG_PASS(Empty, \"...\")");
     }
 }
 
 TEST(Process, ReadsBothStreamsWhateverTheirSize)
 {
-    const auto result = runProcess({"sh", "-c", "head -c 300000 /dev/zero >&2; head -c 200000 /dev/zero; echo $GREETING; exit 3"},
-                                   {{"GREETING", "hello"}});
+    const auto result =
+        runProcess({"sh", "-c", "head -c 300000 /dev/zero >&2; head -c 200000 /dev/zero; echo $GREETING; exit 3"},
+                   {{"GREETING", "hello"}});
     EXPECT_EQ(result.exitCode, 3);
     EXPECT_EQ(result.errors.size(), 300000u);
     EXPECT_EQ(result.output.substr(200000), "hello\n");

@@ -1,7 +1,7 @@
 // Order, culling, lifetimes, knobs and the round trip of graphs that are right.
 #include "describing.h"
 
-#include "graph/plan.h"
+#include "graph/describe.h"
 
 #include <gtest/gtest.h>
 
@@ -46,23 +46,32 @@ using Names = std::vector<std::string>;
 TEST(GraphOrder, TiesAreInFileOrder)
 {
     Writer writer;
-    writer.add("d", "Blur").add("c", "Blur").add("b", "Blur").add("a", "Blur", {{"image", "c.blurred"}, {"other", "b.blurred"}})
-        .output("o1", "d.blurred").output("o2", "a.blurred");
+    writer.add("d", "Blur")
+        .add("c", "Blur")
+        .add("b", "Blur")
+        .add("a", "Blur", {{"image", "c.blurred"}, {"other", "b.blurred"}})
+        .output("o1", "d.blurred")
+        .output("o2", "a.blurred");
     EXPECT_EQ(orderOf(Graph(writer.graph, fakePlugins())), (Names{"d", "c", "b", "a"}));
 }
 
 TEST(GraphOrder, EdgesOverruleFileOrder)
 {
     Writer writer;
-    writer.add("last", "Blur", {{"image", "first.blurred"}}).add("other", "Blur").add("first", "Blur")
-        .output("o1", "last.blurred").output("o2", "other.blurred");
+    writer.add("last", "Blur", {{"image", "first.blurred"}})
+        .add("other", "Blur")
+        .add("first", "Blur")
+        .output("o1", "last.blurred")
+        .output("o2", "other.blurred");
     EXPECT_EQ(orderOf(Graph(writer.graph, fakePlugins())), (Names{"other", "first", "last"}));
 }
 
 TEST(GraphOrder, DelayedEdgesDoNotOrder)
 {
     Writer writer;
-    writer.add("a", "Blur", {{"image", "~b.blurred"}}).add("b", "Blur", {{"image", "a.blurred"}}).output("o", "b.blurred");
+    writer.add("a", "Blur", {{"image", "~b.blurred"}})
+        .add("b", "Blur", {{"image", "a.blurred"}})
+        .output("o", "b.blurred");
     EXPECT_EQ(orderOf(Graph(writer.graph, fakePlugins())), (Names{"a", "b"}));
 }
 
@@ -70,7 +79,7 @@ TEST(GraphOrder, EveryEdgePointsForwardInRandomGraphs)
 {
     std::mt19937 random(7);
     for (int trial = 0; trial < 200; ++trial) {
-        // Passes 0..n-1 in a random file order; undelayed edges go from smaller to larger numbers, so there is no cycle.
+        // Passes 0..n-1 in a random file order; undelayed edges go from smaller to larger numbers: no cycle.
         const uint32_t count = 2 + random() % 12;
         std::vector<uint32_t> fileOrder(count);
         for (uint32_t i = 0; i < count; ++i)
@@ -138,8 +147,9 @@ TEST(GraphPlan, BytesFollowTheImageUnlessFixed)
 
 TEST(GraphKnobs, AreSetFromTheDescription)
 {
-    Graph graph(pathTracer({{"bounces", 3}, {"roughness", 0.3}, {"offset", -2}, {"cells", "screen"}, {"nee", false}}).graph,
-                fakePlugins());
+    Graph graph(
+        pathTracer({{"bounces", 3}, {"roughness", 0.3}, {"offset", -2}, {"cells", "screen"}, {"nee", false}}).graph,
+        fakePlugins());
     EXPECT_EQ(graph.knob("paths.bounces").get(), 3);
     EXPECT_EQ(graph.knob("paths.roughness").get(), 0.3) << "a float prints as it was written";
     EXPECT_EQ(graph.knob("paths.offset").get(), -2);
@@ -152,9 +162,9 @@ TEST(GraphKnobs, AreSetFromTheDescription)
 TEST(GraphKnobs, AreSetFromText)
 {
     Graph graph(pathTracer().graph, fakePlugins());
-    const std::vector<std::pair<std::string, json>> cases{{"bounces=12", 12u},  {"offset=-5", -5},    {"roughness=1e-1", 0.1},
-                                                          {"nee=False", false}, {"nee=on", true},     {"cells=screen", "screen"},
-                                                          {"note=", ""},        {"note=a=b", "a=b"}};
+    const std::vector<std::pair<std::string, json>> cases{
+        {"bounces=12", 12u}, {"offset=-5", -5},          {"roughness=1e-1", 0.1}, {"nee=False", false},
+        {"nee=on", true},    {"cells=screen", "screen"}, {"note=", ""},           {"note=a=b", "a=b"}};
     for (const auto& [text, value] : cases) {
         const auto equals = text.find('=');
         graph.setKnobFromText("paths." + text.substr(0, equals), text.substr(equals + 1));
@@ -187,8 +197,9 @@ TEST(GraphKnobs, UnknownPathsNameTheNearest)
     EXPECT_EQ(set("bounces"), "'bounces' names no knob; write PASS.KNOB, as in gbuffer.KNOB");
     EXPECT_EQ(set("path.bounces"),
               "graph 'Test' has no pass 'path'; passes: gbuffer, paths, accumulate; did you mean 'paths'?");
-    EXPECT_EQ(set("paths.bounce"), "pass 'paths' (Paths) has no knob 'bounce'; knobs: bounces, roughness, offset, cells, "
-                                   "note, nee; did you mean 'bounces'?");
+    EXPECT_EQ(set("paths.bounce"),
+              "pass 'paths' (Paths) has no knob 'bounce'; knobs: bounces, roughness, offset, cells, "
+              "note, nee; did you mean 'bounces'?");
     EXPECT_EQ(set("accumulate.speed"), "pass 'accumulate' (Accumulate) has no knob 'speed'; knobs: none");
 }
 
@@ -206,12 +217,82 @@ TEST(GraphDescription, RoundTripsWithTheKnobsAsTheyAreNow)
     Graph graph(pathTracer({{"bounces", 3}}).add("fit", "Fit", {{"vertices", "paths.vertices"}}).graph, fakePlugins());
     graph.setKnobFromText("paths.roughness", "0.7");
     const json described = graph.description();
-    EXPECT_EQ(described["passes"][1]["knobs"], (json{{"bounces", 3}, {"roughness", 0.7}, {"offset", 0}, {"cells", "world"},
-                                                     {"note", ""}, {"nee", true}}));
+    EXPECT_EQ(
+        described["passes"][1]["knobs"],
+        (json{{"bounces", 3}, {"roughness", 0.7}, {"offset", 0}, {"cells", "world"}, {"note", ""}, {"nee", true}}));
     const Graph again(json::parse(described.dump()), fakePlugins());
     EXPECT_EQ(again.description(), described);
     EXPECT_EQ(lifetimesOf(again), lifetimesOf(graph));
     EXPECT_EQ(orderOf(again), orderOf(graph));
+}
+
+TEST(Describe, TablesHoldEveryPortAndKnob)
+{
+    EXPECT_EQ(describePass(*entry<Fit>("Fit"), TextFormat::plain), R"(Fit: A fake
+
+  input     type          meaning
+  vertices  PathVertices  Path vertices
+
+  output  type   size    meaning
+  guide   Guide  1024 B  Where to go
+
+  knob     type  default  range    meaning
+  bounces  uint  4        0 .. 64  How many to learn from
+)");
+    EXPECT_EQ(describePass(*entry<Fit>("Fit"), TextFormat::markdown), R"(| input | type | meaning |
+| --- | --- | --- |
+| vertices | PathVertices | Path vertices |
+
+| output | type | size | meaning |
+| --- | --- | --- | --- |
+| guide | Guide | 1024 B | Where to go |
+
+| knob | type | default | range | meaning |
+| --- | --- | --- | --- | --- |
+| bounces | uint | 4 | 0 .. 64 | How many to learn from |
+)");
+    EXPECT_EQ(refusal([] { describePass(*entry<Twice>("Twice"), TextFormat::plain); }),
+              "pass type 'Twice' describes itself wrongly: it declares 'image' twice");
+}
+
+/// A byte changed, removed or doubled, or a stretch of the text cut out, one to four times.
+std::string mutated(std::string text, std::mt19937& random)
+{
+    for (uint32_t i = 0, count = 1 + random() % 4; i < count && !text.empty(); ++i) {
+        const size_t at = random() % text.size();
+        switch (random() % 4) {
+        case 0:
+            text[at] = char(random());
+            break;
+        case 1:
+            text.erase(at, 1);
+            break;
+        case 2:
+            text.insert(at, 1, text[random() % text.size()]);
+            break;
+        default:
+            text.erase(at, random() % 40);
+        }
+    }
+    return text;
+}
+
+TEST(GraphFuzz, MutatedDescriptionsAreAcceptedOrRefusedInWords)
+{
+    const std::string original = pathTracer({{"bounces", 3}, {"roughness", 0.3}}).graph.dump();
+    std::mt19937 random(11);
+    uint32_t parsed = 0, refused = 0;
+    for (int trial = 0; trial < 20000; ++trial) {
+        const auto description = json::parse(mutated(original, random), nullptr, false);
+        if (description.is_discarded())
+            continue;  // readGraphFile's matter: files_test.cpp
+        ++parsed;
+        const auto message = mistakes(description);
+        refused += !message.empty();
+        EXPECT_NE(message.find(": "), 0u);
+    }
+    EXPECT_GT(parsed, 2000u) << "the mutations must reach the checks";
+    EXPECT_GT(refused, 1000u);
 }
 
 TEST(GraphDot, DrawsDelayedEdgesDashedAndDeadPassesDotted)

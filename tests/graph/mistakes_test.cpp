@@ -20,14 +20,16 @@ TEST(GraphMistakes, UnknownPassTypeListsThePassesAndTheNearest)
 
 TEST(GraphMistakes, DuplicatePassNameNamesTheFirst)
 {
-    EXPECT_EQ(mistakes(pathTracer().add("paths", "Blur").graph), "g.py:5: pass 'paths' is added twice, first at g.py:2");
+    EXPECT_EQ(mistakes(pathTracer().add("paths", "Blur").graph),
+              "g.py:5: pass 'paths' is added twice, first at g.py:2");
 }
 
 TEST(GraphMistakes, UnknownInputListsTheInputsAndTheNearest)
 {
-    EXPECT_EQ(mistakes(pathTracer().add("more", "Paths", {{"surface", "gbuffer.surface"}, {"guiding", "~fit.guide"}}).graph),
-              "g.py:5: pass 'more' (Paths) has no input 'guiding'\n"
-              "    inputs: surface, guide (optional)        did you mean 'guide'?");
+    EXPECT_EQ(
+        mistakes(pathTracer().add("more", "Paths", {{"surface", "gbuffer.surface"}, {"guiding", "~fit.guide"}}).graph),
+        "g.py:5: pass 'more' (Paths) has no input 'guiding'\n"
+        "    inputs: surface, guide (optional)        did you mean 'guide'?");
 }
 
 TEST(GraphMistakes, UnknownInputLeftUnwiredIsAMistakeToo)
@@ -49,8 +51,9 @@ TEST(GraphMistakes, UnknownKnobListsTheKnobsAndTheNearest)
 
 TEST(GraphMistakes, AnOutputWiredToAKnobIsToldApart)
 {
-    EXPECT_EQ(mistakes(pathTracer().add("fit", "Fit", {{"vertices", "paths.vertices"}, {"bounces", "gbuffer.depth"}}).graph),
-              "g.py:5: 'bounces' of pass 'fit' (Fit) is a knob: give it a value, not an output of a pass");
+    EXPECT_EQ(
+        mistakes(pathTracer().add("fit", "Fit", {{"vertices", "paths.vertices"}, {"bounces", "gbuffer.depth"}}).graph),
+        "g.py:5: 'bounces' of pass 'fit' (Fit) is a knob: give it a value, not an output of a pass");
     EXPECT_EQ(mistakes(pathTracer().add("fit", "Fit", {{"vertices", "paths.vertices"}, {"bounces", nullptr}}).graph),
               "g.py:5: 'bounces' of pass 'fit' (Fit) is a knob: give it a value, not None");
 }
@@ -65,7 +68,8 @@ TEST(GraphMistakes, AValueGivenToAnInputIsToldApart)
 TEST(GraphMistakes, UnknownOutputOfAPassListsItsOutputs)
 {
     EXPECT_EQ(mistakes(pathTracer().add("blur", "Blur", {{"image", "paths.radiant"}}).graph),
-              "g.py:5: input 'image' of pass 'blur' (Blur) reads paths.radiant, but pass 'paths' (Paths) has no output 'radiant'\n"
+              "g.py:5: input 'image' of pass 'blur' (Blur) reads paths.radiant, but pass 'paths' (Paths) has no output "
+              "'radiant'\n"
               "    outputs: radiance, vertices        did you mean 'radiance'?");
 }
 
@@ -127,19 +131,23 @@ TEST(GraphMistakes, TwoCyclesAreBothPrinted)
 
 TEST(GraphMistakes, KnobsRefuseWrongTypesRangesAndChoices)
 {
-    const auto wrong = [](const char* knob, json value) { return mistakes(pathTracer({{knob, std::move(value)}}).graph); };
+    const auto wrong = [](const char* knob, json value) {
+        return mistakes(pathTracer({{knob, std::move(value)}}).graph);
+    };
     const std::string place = "g.py:2: pass 'paths' (Paths): ";
     EXPECT_EQ(wrong("bounces", 65), place + "knob 'bounces' must be a whole number from 0 to 64, not 65");
     EXPECT_EQ(wrong("bounces", -1), place + "knob 'bounces' must be a whole number from 0 to 64, not -1");
     EXPECT_EQ(wrong("bounces", 2.5), place + "knob 'bounces' must be a whole number from 0 to 64, not 2.5");
     EXPECT_EQ(wrong("bounces", true), place + "knob 'bounces' must be a whole number from 0 to 64, not true");
     EXPECT_EQ(wrong("bounces", "8"), place + "knob 'bounces' must be a whole number from 0 to 64, not \"8\"");
-    EXPECT_EQ(wrong("bounces", json::array({1})), place + "knob 'bounces' must be a whole number from 0 to 64, not an array");
+    EXPECT_EQ(wrong("bounces", json::array({1})),
+              place + "knob 'bounces' must be a whole number from 0 to 64, not an array");
     EXPECT_EQ(wrong("offset", -6), place + "knob 'offset' must be a whole number from -5 to 5, not -6");
     EXPECT_EQ(wrong("roughness", 0.91), place + "knob 'roughness' must be a number from 0 to 0.9, not 0.91");
     EXPECT_EQ(wrong("nee", 1), place + "knob 'nee' must be true or false, not 1");
     EXPECT_EQ(wrong("note", 1), place + "knob 'note' must be text, not 1");
-    EXPECT_EQ(wrong("cells", "wordl"), place + "knob 'cells' must be one of world, screen, not \"wordl\"; did you mean 'world'?");
+    EXPECT_EQ(wrong("cells", "wordl"),
+              place + "knob 'cells' must be one of world, screen, not \"wordl\"; did you mean 'world'?");
     EXPECT_EQ(wrong("roughness", 0.9), "") << "bounds are inclusive, as written";
 }
 
@@ -187,29 +195,31 @@ TEST(GraphMistakes, JsonOfTheWrongShapeIsNamedByPlace)
 {
     EXPECT_EQ(mistakes(json::array()), "graph: a graph is an object with \"name\", \"passes\" and \"outputs\"");
     EXPECT_EQ(mistakes(json::object()), "graph: the graph needs a text \"name\"");
-    EXPECT_EQ(mistakes({{"name", "x"}}), "graph: the graph has no output; add one, as in g.output(\"image\", accumulate.mean)");
-    EXPECT_EQ(mistakes({{"name", "x"}, {"passes", 3}, {"outputs", "none"}}),
-              "graph: \"passes\" is not an array\n"
-              "graph: \"outputs\" is not an array");
-    const json bad = json::array({3,
-                                  {{"type", "Blur"}},
-                                  {{"name", "a b"}, {"type", 7}},
-                                  {{"name", "c"}, {"type", "Blur"}, {"inputs", json::array()}, {"knobs", 1}},
-                                  {{"name", "d"}, {"type", "Blur"}, {"inputs", {{"image", "c.blurred"}, {"other", {{"pass", "c"}}}}}},
-                                  {{"name", "e"}, {"type", "Blur"}, {"inputs", {{"image", {{"pass", "c"}, {"output", "d"}, {"delayed", 1}}}}}}});
-    EXPECT_EQ(mistakes({{"name", "x"}, {"file", "h.json"}, {"passes", bad}, {"outputs", json::array({0, {{"name", "o"}}})}}),
-              "h.json: pass 0 is not an object\n"
-              "h.json: pass 1 needs a text \"name\"\n"
-              "h.json: pass 2 has \"name\": \"a b\", which must be letters, digits and underscores\n"
-              "h.json: pass 2 needs a text \"type\"\n"
-              "h.json: pass 'c' has \"inputs\" that is not an object\n"
-              "h.json: pass 'c' has \"knobs\" that is not an object\n"
-              "h.json: input 'image' of pass 'd' is neither null nor an object with \"pass\" and \"output\"\n"
-              "h.json: input 'other' of pass 'd' needs a text \"output\"\n"
-              "h.json: input 'image' of pass 'e' has a \"delayed\" that is neither true nor false\n"
-              "h.json: output 0 is not an object\n"
-              "h.json: output 1 needs a text \"pass\"\n"
-              "h.json: output 1 needs a text \"output\"");
+    EXPECT_EQ(mistakes({{"name", "x"}}),
+              "graph: the graph has no output; add one, as in g.output(\"image\", accumulate.mean)");
+    EXPECT_EQ(mistakes({{"name", "x"}, {"passes", 3}, {"outputs", "none"}}), "graph: \"passes\" is not an array\n"
+                                                                             "graph: \"outputs\" is not an array");
+    const json bad = json::array(
+        {3,
+         {{"type", "Blur"}},
+         {{"name", "a b"}, {"type", 7}},
+         {{"name", "c"}, {"type", "Blur"}, {"inputs", json::array()}, {"knobs", 1}},
+         {{"name", "d"}, {"type", "Blur"}, {"inputs", {{"image", "c.blurred"}, {"other", {{"pass", "c"}}}}}},
+         {{"name", "e"}, {"type", "Blur"}, {"inputs", {{"image", {{"pass", "c"}, {"output", "d"}, {"delayed", 1}}}}}}});
+    EXPECT_EQ(
+        mistakes({{"name", "x"}, {"file", "h.json"}, {"passes", bad}, {"outputs", json::array({0, {{"name", "o"}}})}}),
+        "h.json: pass 0 is not an object\n"
+        "h.json: pass 1 needs a text \"name\"\n"
+        "h.json: pass 2 has \"name\": \"a b\", which must be letters, digits and underscores\n"
+        "h.json: pass 2 needs a text \"type\"\n"
+        "h.json: pass 'c' has \"inputs\" that is not an object\n"
+        "h.json: pass 'c' has \"knobs\" that is not an object\n"
+        "h.json: input 'image' of pass 'd' is neither null nor an object with \"pass\" and \"output\"\n"
+        "h.json: input 'other' of pass 'd' needs a text \"output\"\n"
+        "h.json: input 'image' of pass 'e' has a \"delayed\" that is neither true nor false\n"
+        "h.json: output 0 is not an object\n"
+        "h.json: output 1 needs a text \"pass\"\n"
+        "h.json: output 1 needs a text \"output\"");
 }
 
 TEST(GraphMistakes, ADelayedOutputIsRefused)

@@ -18,8 +18,9 @@ GRAPH = ROOT / "graphs" / "path_tracer.py"
 
 def restirpg(*arguments, folder=ROOT):
     """Run the program. Returns (exit code, standard output, standard error)."""
-    done = subprocess.run([PROGRAM, *map(str, arguments)], cwd=folder, text=True, capture_output=True, timeout=600,
-                          check=False)
+    done = subprocess.run(
+        [PROGRAM, *map(str, arguments)], cwd=folder, text=True, capture_output=True, timeout=600, check=False
+    )
     return done.returncode, done.stdout, done.stderr
 
 
@@ -35,13 +36,19 @@ def refusal(*arguments, folder=ROOT):
 def scene(tmp_path_factory):
     """A Cornell box."""
     folder = tmp_path_factory.mktemp("scenes")
-    subprocess.run([sys.executable, ROOT / "scripts" / "make_scenes.py", "cornell_box", "--out", folder], check=True)
+    subprocess.run(
+        [sys.executable, ROOT / "scripts" / "make_scenes.py", "cornell_box", "--out", folder], check=True
+    )
     return folder / "cornell_box.glb"
 
 
+def render_command(scene, frames=2):
+    """A quick rendering of the scene to a.exr of the working directory."""
+    return ["render", GRAPH, "--scene", scene, "--size", "24x16", "--frames", str(frames), "-o", "a.exr"]
+
+
 def test_rendering_writes_what_it_says(scene, tmp_path):
-    code, output, errors = restirpg("render", GRAPH, "--scene", scene, "--size", "24x16", "--frames", 2, "-o", "a.exr",
-                                    "--png", "a.png", folder=tmp_path)
+    code, output, errors = restirpg(*render_command(scene), "--png", "a.png", folder=tmp_path)
     assert (code, errors) == (0, "")
     assert re.match(r".+, .+, (software|rayquery) back end\n2 frames in ", output)
     for line in ("gbuffer", "paths", "accumulate", "all", "wrote a.exr", "wrote a.png"):
@@ -50,17 +57,17 @@ def test_rendering_writes_what_it_says(scene, tmp_path):
 
 
 def test_same_seed_same_bytes(scene, tmp_path):
-    def digest(name, seed):
-        assert restirpg("render", GRAPH, "--scene", scene, "--size", "24x16", "--frames", 3, "--seed", seed, "-o", name,
-                        folder=tmp_path)[0] == 0
-        return hashlib.sha256((tmp_path / name).read_bytes()).hexdigest()
-    first = digest("a.exr", 7)
-    assert digest("b.exr", 7) == first
-    assert digest("c.exr", 8) != first
+    def digest(seed):
+        assert restirpg(*render_command(scene), "--seed", seed, folder=tmp_path)[0] == 0
+        return hashlib.sha256((tmp_path / "a.exr").read_bytes()).hexdigest()
+
+    first = digest(7)
+    assert digest(7) == first
+    assert digest(8) != first
 
 
 def test_errors_against_the_picture_itself_are_zero(scene, tmp_path):
-    command = ["render", GRAPH, "--scene", scene, "--size", "24x16", "--frames", 2, "-o", "a.exr"]
+    command = render_command(scene)
     assert restirpg(*command, folder=tmp_path)[0] == 0
     code, output, _ = restirpg(*command, "--reference", "a.exr", folder=tmp_path)
     assert code == 0
@@ -70,9 +77,11 @@ def test_errors_against_the_picture_itself_are_zero(scene, tmp_path):
 
 
 def test_the_progress_bar_is_drawn_on_terminals_only(scene, tmp_path):
-    command = ["render", GRAPH, "--scene", scene, "--size", "24x16", "--frames", "3", "-o", "a.exr"]
+    command = render_command(scene, frames=3)
     master, slave = pty.openpty()
-    subprocess.run([PROGRAM, *map(str, command)], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=slave, check=True)
+    subprocess.run(
+        [PROGRAM, *map(str, command)], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=slave, check=True
+    )
     os.close(slave)
     drawn = os.read(master, 65536).decode()
     os.close(master)
@@ -81,39 +90,65 @@ def test_the_progress_bar_is_drawn_on_terminals_only(scene, tmp_path):
     assert restirpg(*command, folder=tmp_path)[2] == ""
 
 
-@pytest.mark.parametrize("arguments, message", [
-    (["--size", "24"], "--size 24: write WIDTHxHEIGHT in pixels, as in 640x360"),
-    (["--size", "24x16x"], "--size 24x16x: write WIDTHxHEIGHT in pixels, as in 640x360"),
-    (["--size", "-1x16"], "--size -1x16: write WIDTHxHEIGHT in pixels, as in 640x360"),
-    (["--size", "0x16"], "an image of 0x16 pixels cannot be rendered; each side is 1 to 16384"),
-    (["--frames", "0"], "restirpg: --frames: Value 0 not in range 1 to 100000000; see restirpg --help"),
-    (["--frames", "many"], "restirpg: --frames: Value many not in range 1 to 100000000; see restirpg --help"),
-    (["--fps", "-1"], "--time 0 --fps -1: give finite numbers, and no negative frame rate"),
-    (["--time", "nan"], "--time nan --fps 0: give finite numbers, and no negative frame rate"),
-    (["-o", "/proc/a.exr"], "/proc/a.exr: cannot write: No such file or directory; choose another folder"),
-    (["--output", "invalid", "--reference", "none.exr"], "output 'invalid' has 1 channels, a --reference is compared with 3; "
-                                                         "choose another with --output"),
-    (["--nonsense"], "restirpg: The following argument was not expected: --nonsense; see restirpg --help"),
-    (["--camera", "5"], "SCENE: there is no camera 5; the scene has 1, counted from 0"),
-    (["--set", "paths.bounces"], "--set paths.bounces: write PASS.KNOB=VALUE, as in paths.bounces=4"),
-    (["--set", "path.bounces=1"], "graph 'Path tracer' has no pass 'path'; passes: gbuffer, paths, accumulate; "
-                                  "did you mean 'paths'?"),
-    (["--set", "paths.bounces=x"], "pass 'paths' (PathTracerGuided): knob 'bounces' must be a whole number from 0 to "
-                                   '64, not "x"'),
-    (["--output", "picture"], "--output picture: graph 'Path tracer' has no such output; choose one of: image, variance, "
-                              "invalid"),
-    (["-o", "a.jpg"], "a.jpg: the name must end in .exr"),
-    (["--png", "a.exr"], "a.exr: the name must end in .png"),
-    (["-o", "none/a.exr"], "none/a.exr: cannot write: the folder none does not exist; create it first"),
-    (["--reference", "none.exr"], "none.exr: cannot read: No such file or directory; name an existing EXR file"),
-    (["--scene", "none.glb"], None),
-    (["--device", "Voodoo"], None),
-    (["--backend", "magic"], None),
-    (["--environment", "none.exr"], None),
-    (["--ocio", "none.ocio", "--png", "a.png"], None),
-])
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        (["--size", "24"], "--size 24: write WIDTHxHEIGHT in pixels, as in 640x360"),
+        (["--size", "24x16x"], "--size 24x16x: write WIDTHxHEIGHT in pixels, as in 640x360"),
+        (["--size", "-1x16"], "--size -1x16: write WIDTHxHEIGHT in pixels, as in 640x360"),
+        (["--size", "0x16"], "an image of 0x16 pixels cannot be rendered; each side is 1 to 16384"),
+        (["--frames", "0"], "restirpg: --frames: Value 0 not in range 1 to 100000000; see restirpg --help"),
+        (
+            ["--frames", "many"],
+            "restirpg: --frames: Value many not in range 1 to 100000000; see restirpg --help",
+        ),
+        (["--fps", "-1"], "--time 0 --fps -1: give finite numbers, and no negative frame rate"),
+        (["--time", "nan"], "--time nan --fps 0: give finite numbers, and no negative frame rate"),
+        (
+            ["-o", "/proc/a.exr"],
+            "/proc/a.exr: cannot write: No such file or directory; choose another folder",
+        ),
+        (
+            ["--output", "invalid", "--reference", "none.exr"],
+            "output 'invalid' has 1 channels, a --reference is compared with 3; "
+            "choose another with --output",
+        ),
+        (
+            ["--nonsense"],
+            "restirpg: The following argument was not expected: --nonsense; see restirpg --help",
+        ),
+        (["--camera", "5"], "SCENE: there is no camera 5; the scene has 1, counted from 0"),
+        (["--set", "paths.bounces"], "--set paths.bounces: write PASS.KNOB=VALUE, as in paths.bounces=4"),
+        (
+            ["--set", "path.bounces=1"],
+            "graph 'Path tracer' has no pass 'path'; passes: gbuffer, paths, accumulate; "
+            "did you mean 'paths'?",
+        ),
+        (
+            ["--set", "paths.bounces=x"],
+            "pass 'paths' (PathTracerGuided): knob 'bounces' must be a whole number from 0 to " '64, not "x"',
+        ),
+        (
+            ["--output", "picture"],
+            "--output picture: graph 'Path tracer' has no such output; choose one of: image, variance, "
+            "invalid",
+        ),
+        (["-o", "a.jpg"], "a.jpg: the name must end in .exr"),
+        (["--png", "a.exr"], "a.exr: the name must end in .png"),
+        (["-o", "none/a.exr"], "none/a.exr: cannot write: the folder none does not exist; create it first"),
+        (
+            ["--reference", "none.exr"],
+            "none.exr: cannot read: No such file or directory; name an existing EXR file",
+        ),
+        (["--scene", "none.glb"], None),
+        (["--device", "Voodoo"], None),
+        (["--backend", "magic"], None),
+        (["--environment", "none.exr"], None),
+        (["--ocio", "none.ocio", "--png", "a.png"], None),
+    ],
+)
 def test_bad_arguments_are_one_line(scene, tmp_path, arguments, message):
-    command = ["render", GRAPH, "--scene", scene, "--size", "8x8", "--frames", 1, "-o", "a.exr"]
+    command = render_command(scene, frames=1)
     for option, value in zip(arguments[::2], arguments[1::2]):
         if option in command:
             command[command.index(option) + 1] = value
@@ -130,13 +165,17 @@ def test_bad_arguments_are_one_line(scene, tmp_path, arguments, message):
 
 
 def test_a_picture_must_go_somewhere(scene):
-    assert refusal("render", GRAPH, "--scene", scene).startswith("nothing to do with the picture; name a file with -o")
+    assert refusal("render", GRAPH, "--scene", scene).startswith(
+        "nothing to do with the picture; name a file with -o"
+    )
 
 
 def test_subcommands_are_asked_for():
     assert refusal() == "restirpg: A subcommand is required; see restirpg --help"
-    assert refusal("rendre") == ("restirpg: there is no subcommand 'rendre'; subcommands: render, describe, graph, devices; "
-                                 "did you mean 'render'?")
+    assert refusal("rendre") == (
+        "restirpg: there is no subcommand 'rendre'; subcommands: render, describe, graph, devices; "
+        "did you mean 'render'?"
+    )
     assert refusal("render") == "restirpg: GRAPH is required; see restirpg --help"
 
 
@@ -146,19 +185,26 @@ def test_graph_mistakes_are_collected_and_located(tmp_path):
         "graph = Graph('G')\n"
         "gbuffer = graph.add('gbuffer', 'GBuffer', jiter=True)\n"
         "paths = graph.add('paths', 'PathTracerGuided', surface=gbuffer.surfaces)\n"
-        "graph.output('image', paths.radiance)\n")
+        "graph.output('image', paths.radiance)\n"
+    )
     code, output, errors = restirpg("graph", "g.py", folder=tmp_path)
     assert (code, output) == (2, "")
-    assert errors.splitlines()[:2] == ["g.py:3: pass 'gbuffer' (GBuffer) has no knob 'jiter'",
-                                       "    knobs: jitter        did you mean 'jitter'?"]
-    assert errors.splitlines()[2] == ("g.py:4: input 'surface' of pass 'paths' (PathTracerGuided) reads gbuffer.surfaces, "
-                                      "but pass 'gbuffer' (GBuffer) has no output 'surfaces'")
+    assert errors.splitlines()[:2] == [
+        "g.py:3: pass 'gbuffer' (GBuffer) has no knob 'jiter'",
+        "    knobs: jitter        did you mean 'jitter'?",
+    ]
+    assert errors.splitlines()[2] == (
+        "g.py:4: input 'surface' of pass 'paths' (PathTracerGuided) reads gbuffer.surfaces, "
+        "but pass 'gbuffer' (GBuffer) has no output 'surfaces'"
+    )
 
 
 def test_a_graph_is_printed_in_order_and_for_graphviz():
     code, output, errors = restirpg("graph", "graphs/path_tracer.py")
     assert (code, errors) == (0, "")
-    assert re.search(r"0 +gbuffer +GBuffer +graphs/path_tracer.py:\d+\n +1 +paths .*\n +2 +accumulate ", output)
+    assert re.search(
+        r"0 +gbuffer +GBuffer +graphs/path_tracer.py:\d+\n +1 +paths .*\n +2 +accumulate ", output
+    )
     assert re.search(r"accumulate.sums +accumulate.history +AccumulatorState +one frame later\n", output)
     assert restirpg("graph", "graphs/path_tracer.py", "--dot")[1].startswith('digraph "Path tracer" {\n')
 
@@ -175,7 +221,9 @@ def test_an_unknown_pass_type_is_one_line():
     assert said.endswith("; did you mean 'GBuffer'?")
 
 
-@pytest.mark.parametrize("readme", sorted((ROOT / "passes").glob("*/README.md")), ids=lambda file: file.parent.name)
+@pytest.mark.parametrize(
+    "readme", sorted((ROOT / "passes").glob("*/README.md")), ids=lambda file: file.parent.name
+)
 def test_the_tables_of_a_readme_are_those_the_pass_declares(readme):
     code, output, errors = restirpg("describe", readme.parent.name, "--markdown")
     assert (code, errors) == (0, "")

@@ -1,8 +1,8 @@
 """restirpg: light transport methods as render graphs.
 
 `Graph` and `prev` describe a graph in plain Python and need nothing else. The renderer (`load_scene`,
-`load_graph`, `Renderer`, ...) lives in the binding module `restirpg._native`, which is loaded at the first use of
-one of its names: describing a graph must not need a GPU, a driver or a built tree.
+`load_graph`, `Renderer`, ...) lives in the binding module `restirpg._native`, which is loaded at the first
+use of one of its names: describing a graph must not need a GPU, a driver or a built tree.
 """
 
 import importlib

@@ -1,7 +1,7 @@
 """Evaluate a graph file: `python3 -m restirpg.evaluate FILE` prints the description of its `graph` as JSON.
 
-The program runs this in a process of its own, so that a graph file can do neither it nor the next file any harm.
-A mistake in the file is one line `FILE:LINE: message` on standard error and exit code 2.
+The program runs this in a process of its own, so that a graph file can do neither it nor the next file any
+harm. A mistake in the file is one line `FILE:LINE: message` on standard error and exit code 2.
 """
 
 import contextlib
@@ -38,8 +38,8 @@ def _message(error):
 def evaluate(file):
     """The Graph that `file` leaves in its variable `graph`. Raises EvaluationError.
 
-    The file's folder is first on the module path, so that graph files of a folder can share a module. What the file
-    prints goes to standard error.
+    The folder of `file` is first on the module path, so that its graph files can share a module. What the
+    file prints goes to standard error.
     """
     try:
         with open(file, "rb") as stream:
@@ -55,7 +55,9 @@ def evaluate(file):
         raise EvaluationError(f"{_place(error, file)}: {_message(error)}") from error
     graph = names.get("graph")
     if not isinstance(graph, Graph):
-        found = "has no variable 'graph'" if graph is None else f"has a {type(graph).__name__} in its variable 'graph'"
+        found = "has no variable 'graph'"
+        if graph is not None:
+            found = f"has a {type(graph).__name__} in its variable 'graph'"
         raise EvaluationError(f"{shown_path(file)}:1: the file {found}; "
                               "end it with graph = ..., a restirpg.Graph")
     return graph

@@ -1,7 +1,7 @@
 """Describe a render graph: passes, the edges between their ports, knobs and the graph's outputs.
 
-A description is plain data. `Graph.description()` returns it as a dictionary, the C++ side reads it as JSON and
-checks it against what each pass declares::
+A description is plain data. `Graph.description()` returns it as a dictionary, the C++ side reads it as JSON
+and checks it against what each pass declares::
 
     {
       "name": "Path tracer",
@@ -16,13 +16,14 @@ checks it against what each pass declares::
          "knobs": {}}
       ],
       "outputs": [
-        {"name": "image", "pass": "accumulate", "output": "mean", "file": "graphs/path_tracer.py", "line": 11}
+        {"name": "image", "pass": "accumulate", "output": "mean",
+         "file": "graphs/path_tracer.py", "line": 11}
       ]
     }
 
-`null` is an input left unwired on purpose; `delayed` (default false) reads the resource as it was one frame ago;
-`file` and `line` are optional and serve error messages only. A file written by hand may leave out empty `inputs`
-and `knobs`.
+`null` is an input left unwired on purpose; `delayed` (default false) reads the resource as it was one frame
+ago; `file` and `line` are optional and serve error messages only. A file written by hand may leave out empty
+`inputs` and `knobs`.
 """
 
 import math
@@ -122,8 +123,8 @@ class Graph:
     def add(self, name, pass_type, /, **wiring):
         """Add the pass `name`, an instance of the plugin `pass_type`, and return it.
 
-        A keyword whose value is a Port wires an input, one whose value is None leaves an optional input unwired,
-        any other sets a knob. Whether the pass has them is checked when the graph is loaded.
+        A keyword whose value is a Port wires an input, one whose value is None leaves an optional input
+        unwired, any other sets a knob. Whether the pass has them is checked when the graph is loaded.
         """
         if not isinstance(name, str) or not isinstance(pass_type, str):
             raise GraphError(f"a pass has a name and a type, both text, not {name!r} and {pass_type!r}")
@@ -140,15 +141,17 @@ class Graph:
     def __getitem__(self, name):
         """The pass added under `name`."""
         if name not in self._nodes:
-            raise GraphError(f"no pass '{name}' has been added yet; passes so far: {', '.join(self._nodes) or 'none'}")
+            added = ", ".join(self._nodes) or "none"
+            raise GraphError(f"no pass '{name}' has been added yet; passes so far: {added}")
         return self._nodes[name]
 
     def output(self, name, port):
-        """Make `port` readable under `name`. The first output is the picture an EXR holds as plain R, G, B."""
+        """Make `port` readable under `name`. The first is the picture an EXR holds as plain R, G, B."""
         if not isinstance(name, str):
             raise GraphError(f"the name of an output is text, not {name!r}")
         if not isinstance(port, Port) or port.delayed:
-            raise GraphError(f"output '{name}' must be an output of a pass, as in accumulate.mean, not {port!r}")
+            raise GraphError(f"output '{name}' must be an output of a pass, as in accumulate.mean, "
+                             f"not {port!r}")
         self._outputs.append({"name": name, **port.source(), **_caller()})
 
     def description(self):
