@@ -21,8 +21,8 @@ inline std::filesystem::path temporaryName(const std::filesystem::path& file)
     return folder / fmt::format(".{}.{}.tmp{}", file.stem().string(), getpid(), file.extension().string());
 }
 
-/// `write(path)` is given a temporary name in the same folder; the file gets its final name when `write` returns and is removed
-/// when it throws. Throws Error naming `file` when the folder does not exist or cannot be written.
+/// `write(path)` is given a temporary name in the same folder; the file gets its final name when `write` returns and is
+/// removed when it throws. Throws Error naming `file` when the folder does not exist or cannot be written.
 template <typename Write>
 void writeAtomically(const std::filesystem::path& file, Write&& write)
 {

@@ -34,7 +34,8 @@ std::vector<std::string> channelNames(const fs::path& file, const Layer& layer)
         {{}, {"Y"}, {"X", "Y"}, {"R", "G", "B"}, {"R", "G", "B", "A"}}};
     const Image& image = layer.image;
     if (image.channels < 1 || image.channels > 4)
-        fail("{}: cannot write: layer '{}' has {} channels; 1 to 4 can be written", file.string(), layer.name, image.channels);
+        fail("{}: cannot write: layer '{}' has {} channels; 1 to 4 can be written", file.string(), layer.name,
+             image.channels);
     if (image.empty() || image.data.size() != size_t(image.width) * image.height * image.channels)
         fail("{}: cannot write: layer '{}' has {} values, not {}x{}x{}", file.string(), layer.name, image.data.size(),
              image.width, image.height, image.channels);
@@ -56,7 +57,8 @@ std::vector<half> toHalf(const fs::path& file, const std::vector<float>& values)
         return half(std::copysign(float(HALF_MAX), value));
     });
     if (saturated > 0)
-        warn("{}: {} values beyond +-65504 do not fit half floats and were written as +-65504; write full floats to keep them",
+        warn("{}: {} values beyond +-65504 do not fit half floats and were written as +-65504; write full floats to "
+             "keep them",
              file.string(), saturated);
     return result;
 }
@@ -77,7 +79,8 @@ auto readSafely(const fs::path& file, Read&& read)
 }
 
 /// The channel that each of the three colours is read from; an empty name leaves it 0.
-std::array<std::string, 3> colourChannels(const fs::path& file, const Imf::ChannelList& channels, const std::string& layer)
+std::array<std::string, 3> colourChannels(const fs::path& file, const Imf::ChannelList& channels,
+                                          const std::string& layer)
 {
     const std::string prefix = layer.empty() ? "" : layer + ".";
     const auto has = [&](const char* suffix) { return channels.findChannel(prefix + suffix) != nullptr; };
@@ -90,8 +93,8 @@ std::array<std::string, 3> colourChannels(const fs::path& file, const Imf::Chann
     std::string present;
     for (auto channel = channels.begin(); channel != channels.end(); ++channel)
         present += (present.empty() ? "" : ", ") + std::string(channel.name());
-    fail("{}: cannot read: no channels {}R, {}G, {}B and no {}Y; it has {}", file.string(), prefix, prefix, prefix, prefix,
-         present);
+    fail("{}: cannot read: no channels {}R, {}G, {}B and no {}Y; it has {}", file.string(), prefix, prefix, prefix,
+         prefix, present);
 }
 
 }  // namespace

@@ -36,7 +36,8 @@ public:
     void walk()
     {
         if (size_ < 8 || read<int32_t>() != MAGIC)
-            fail("{}: cannot read: not an OpenEXR file; name a file that begins with EXR's magic number", file_.string());
+            fail("{}: cannot read: not an OpenEXR file; name a file that begins with EXR's magic number",
+                 file_.string());
         const int32_t version = read<int32_t>();
         if ((version & VERSION_MASK) != 2)
             damaged("its version is not 2");

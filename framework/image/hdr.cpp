@@ -1,4 +1,5 @@
-// Radiance .hdr (RGBE). Own code, since stb_image's reader loops for ever on a truncated file and ignores the orientation.
+// Radiance .hdr (RGBE). Own code, since stb_image's reader loops for ever on a truncated file and ignores the
+// orientation.
 #include "image/image.h"
 #include "image/limits.h"
 
@@ -68,11 +69,13 @@ std::array<int, 2> readHeader(const fs::path& file, ByteReader& reader)
         fail("{}: cannot read: not a Radiance .hdr file (it does not begin with #?)", file.string());
     for (std::string line = reader.nextLine(); !line.empty(); line = reader.nextLine())
         if (line.rfind("FORMAT=", 0) == 0 && line != "FORMAT=32-bit_rle_rgbe")
-            fail("{}: cannot read: {} is not supported; write it as 32-bit_rle_rgbe", file.string(), line.substr(0, 40));
+            fail("{}: cannot read: {} is not supported; write it as 32-bit_rle_rgbe", file.string(),
+                 line.substr(0, 40));
     int width = 0, height = 0;
     const std::string resolution = reader.nextLine();
     if (std::sscanf(resolution.c_str(), "-Y %9d +X %9d", &height, &width) != 2)
-        fail("{}: cannot read: the resolution line is not '-Y HEIGHT +X WIDTH'; write it with rows from the top", file.string());
+        fail("{}: cannot read: the resolution line is not '-Y HEIGHT +X WIDTH'; write it with rows from the top",
+             file.string());
     checkImageClaim(file, width, height, reader.size());
     return {width, height};
 }
@@ -92,8 +95,8 @@ void readCodedRow(const fs::path& file, ByteReader& reader, std::vector<Rgbe>& r
         }
 }
 
-/// A row of plain pixels, of which the first is already read. A pixel (1, 1, 1, n) repeats the one before it n times; when
-/// several follow each other, n counts 256 times more at each.
+/// A row of plain pixels, of which the first is already read. A pixel (1, 1, 1, n) repeats the one before it n times;
+/// when several follow each other, n counts 256 times more at each.
 void readPlainRow(const fs::path& file, ByteReader& reader, std::vector<Rgbe>& row, Rgbe pixel)
 {
     uint32_t shift = 0;

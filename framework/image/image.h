@@ -29,15 +29,16 @@ struct Layer {
 
 enum class PixelType { half, full };
 
-/// Write layers (all of one size) and string attributes as one scanline EXR (ZIP), to a temporary name in the same folder and
-/// then renamed. Channel names: R, G, B for 3 channels, Y for 1, X, Y for 2, R, G, B, A for 4; `NAME.` before them for a named layer.
-/// Values are linear and unclamped; half floats saturate at 65504, with a warning. Throws Error naming the file when it cannot be
-/// written, a layer is empty or the sizes differ.
+/// Write layers (all of one size) and string attributes as one scanline EXR (ZIP), to a temporary name in the same
+/// folder and then renamed. Channel names: R, G, B for 3 channels, Y for 1, X, Y for 2, R, G, B, A for 4; `NAME.`
+/// before them for a named layer. Values are linear and unclamped; half floats saturate at 65504, with a warning.
+/// Throws Error naming the file when it cannot be written, a layer is empty or the sizes differ.
 void writeExr(const std::filesystem::path& file, const std::vector<Layer>& layers, PixelType type,
               const std::map<std::string, std::string>& attributes = {});
 
-/// Read the colour channels of an EXR's data window as 3 channels: R, G, B of the plain layer (or of `layer`), or Y three times,
-/// or X, Y and 0. Multi-part files: the first part. Deep, damaged, truncated or absurdly large files are one Error.
+/// Read the colour channels of an EXR's data window as 3 channels: R, G, B of the plain layer (or of `layer`), or Y
+/// three times, or X, Y and 0. Multi-part files: the first part. Deep, damaged, truncated or absurdly large files are
+/// one Error.
 Image readExr(const std::filesystem::path& file, const std::string& layer = "");
 
 /// String attributes of an EXR header.
@@ -54,11 +55,12 @@ struct DisplayTransform {
     float exposure = 0;  ///< stops
 };
 
-/// Throws Error when the config, display or view is not there (naming the choices): to be asked before a long rendering.
+/// Throws Error when the config, display or view is not there (naming the choices): to be asked before a long
+/// rendering.
 void checkDisplay(const DisplayTransform& transform);
 
-/// Write an 8-bit PNG of a 3-channel (or 1-channel) image, atomically. Pixels with a NaN or an infinity become black. Throws Error
-/// when the file cannot be written, or the config, display or view is not there (naming the choices).
+/// Write an 8-bit PNG of a 3-channel (or 1-channel) image, atomically. Pixels with a NaN or an infinity become black.
+/// Throws Error when the file cannot be written, or the config, display or view is not there (naming the choices).
 void writePng(const std::filesystem::path& file, const Image& image, const DisplayTransform& transform = {});
 
 }  // namespace restirpg

@@ -30,11 +30,12 @@ std::string join(int count, const std::function<const char*(int)>& name)
     return text;
 }
 
-/// Where the renderer's linear Rec.709 lies in a config. In ACES configs the role scene_linear has other primaries, so the names
-/// that such configs use for linear Rec.709 come first.
+/// Where the renderer's linear Rec.709 lies in a config. In ACES configs the role scene_linear has other primaries, so
+/// the names that such configs use for linear Rec.709 come first.
 std::string sourceSpace(const ocio::Config& config, const std::string& file)
 {
-    for (const char* name : {"lin_rec709", "Linear Rec.709 (sRGB)", "lin_rec709_srgb", "Utility - Linear - sRGB", "lin_srgb"})
+    for (const char* name :
+         {"lin_rec709", "Linear Rec.709 (sRGB)", "lin_rec709_srgb", "Utility - Linear - sRGB", "lin_srgb"})
         if (config.getColorSpace(name))
             return name;
     warn("{}: no colour space named lin_rec709 or alike; its role scene_linear is taken to be linear Rec.709", file);
@@ -111,7 +112,8 @@ void writePng(const fs::path& file, const Image& image, const DisplayTransform& 
     std::transform(rgb.begin(), rgb.end(), bytes.begin(),
                    [](float v) { return uint8_t(std::lround(255.0f * std::clamp(v, 0.0f, 1.0f))); });
     writeAtomically(file, [&](const fs::path& temporary) {
-        if (!stbi_write_png(temporary.c_str(), int(image.width), int(image.height), 3, bytes.data(), int(3 * image.width)))
+        if (!stbi_write_png(temporary.c_str(), int(image.width), int(image.height), 3, bytes.data(),
+                            int(3 * image.width)))
             fail("{}: cannot write the PNG; check the folder's permissions and free space", file.string());
     });
 }

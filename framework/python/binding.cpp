@@ -7,7 +7,8 @@ namespace restirpg::python {
 
 py::array_t<float> toArray(Image&& image)
 {
-    const std::vector<py::ssize_t> shape = {py::ssize_t(image.height), py::ssize_t(image.width), py::ssize_t(image.channels)};
+    const std::vector<py::ssize_t> shape = {py::ssize_t(image.height), py::ssize_t(image.width),
+                                            py::ssize_t(image.channels)};
     auto* data = new std::vector<float>(std::move(image.data));
     const py::capsule owner(data, [](void* pointer) { delete static_cast<std::vector<float>*>(pointer); });
     return py::array_t<float>(shape, data->data(), owner);
@@ -47,9 +48,10 @@ nlohmann::json toJson(const py::object& value)
 PYBIND11_MODULE(_native, module)
 {
     namespace py = pybind11;
-    module.doc() = "The renderer: load_scene, load_graph, Renderer, and images as NumPy arrays.\n\n"
-                   "A mistake of the user raises restirpg.Error, whose text names the file, the place and the mend. No object\n"
-                   "here may be used by two threads at once.";
+    module.doc() =
+        "The renderer: load_scene, load_graph, Renderer, and images as NumPy arrays.\n\n"
+        "A mistake of the user raises restirpg.Error, whose text names the file, the place and the mend. No object\n"
+        "here may be used by two threads at once.";
     py::register_exception<restirpg::Error>(module, "Error", PyExc_RuntimeError).doc() =
         "A user's mistake or an unusable file or device: its text names the place and the mend.";
     restirpg::python::bindImage(module);

@@ -8,17 +8,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* READ_EXR = R"(Read the colour channels of an EXR file as a float32 array (H, W, 3): linear, rows from the top.
+constexpr const char* READ_EXR =
+    R"(Read the colour channels of an EXR file as a float32 array (H, W, 3): linear, rows from the top.
 
 R, G, B of the plain layer, or of `layer`; a layer with the one channel Y three times; one with X, Y as X, Y, 0.
 Raises Error for a file that is missing, damaged, deep or has no such layer.)";
 
-constexpr const char* WRITE_EXR = R"(Write float arrays of one size as the layers of an EXR file (ZIP), whole or not at all.
+constexpr const char* WRITE_EXR =
+    R"(Write float arrays of one size as the layers of an EXR file (ZIP), whole or not at all.
 
 layers: {name: array (H, W) or (H, W, C)} with 1 to 4 channels; the layer named "" has the plain channels R, G, B.
 half: store half floats, which saturate at 65504. attributes: {name: text} for the header.)";
 
-constexpr const char* WRITE_PNG = R"(Write a linear Rec.709 image (H, W, 3) or (H, W) as an 8-bit PNG for a display, whole or not at all.
+constexpr const char* WRITE_PNG =
+    R"(Write a linear Rec.709 image (H, W, 3) or (H, W) as an 8-bit PNG for a display, whole or not at all.
 
 exposure: stops. config: an OpenColorIO file (default: a small one of ours, with the views "Standard" and "ACES" of the
 display "sRGB"); display, view: of that config (default: its own defaults). Pixels with NaN or infinity become black.)";
@@ -30,7 +33,8 @@ relmse: mean of (I - R)^2 / (R^2 + 0.01). rmse: root of the mean squared differe
 bias: (mean(I) - mean(R)) / mean(R), signed. All means are over pixels and channels.
 invalid: number of pixels with NaN or infinity in either image, left out of all means.)";
 
-void writeLayers(const fs::path& file, const py::dict& layers, bool half, const std::map<std::string, std::string>& attributes)
+void writeLayers(const fs::path& file, const py::dict& layers, bool half,
+                 const std::map<std::string, std::string>& attributes)
 {
     std::vector<Layer> images;
     for (const auto& [name, array] : layers) {
@@ -61,10 +65,10 @@ void bindImage(py::module_& module)
 {
     using namespace py::literals;
     module.def(
-        "read_exr", [](const fs::path& file, const std::string& layer) { return toArray(readExr(file, layer)); }, READ_EXR,
-        "file"_a, "layer"_a = "");
-    module.def("read_exr_attributes", &readExrAttributes, "The text attributes of an EXR file's header, as a dictionary.",
-               "file"_a);
+        "read_exr", [](const fs::path& file, const std::string& layer) { return toArray(readExr(file, layer)); },
+        READ_EXR, "file"_a, "layer"_a = "");
+    module.def("read_exr_attributes", &readExrAttributes,
+               "The text attributes of an EXR file's header, as a dictionary.", "file"_a);
     module.def("write_exr", &writeLayers, WRITE_EXR, "file"_a, "layers"_a, "half"_a = false,
                "attributes"_a = std::map<std::string, std::string>());
     module.def(

@@ -13,33 +13,40 @@ constexpr const char* RENDERER = R"(A scene, a graph and a device, rendering fra
 
 scene: from load_scene. graph: from load_graph, or a restirpg.Graph, or its description as a dictionary.
 size: (width, height) in pixels. seed: of all random numbers; the same seed gives the same bytes on the same device.
-device: number or part of the name as `restirpg devices` lists them; None: the best one. backend: "software", "rayquery" or None
-for what suits the device. validation: run under the Vulkan validation layer. fps: frames a second of scene time; 0: the scene
-stands still. time: of the first frame, s.
+device: number or part of the name as `restirpg devices` lists them; None: the best one. backend: "software", "rayquery"
+or None for what suits the device. validation: run under the Vulkan validation layer. fps: frames a second of scene time;
+0: the scene stands still. time: of the first frame, s.
 
 A scene that has a bounce cap of its own sets the knob "bounces" of every pass to it.)";
 
-constexpr const char* RENDER = R"(Render `frames` more frames. Other Python threads run meanwhile; Ctrl-C ends it between two frames.)";
+constexpr const char* RENDER =
+    R"(Render `frames` more frames. Other Python threads run meanwhile; Ctrl-C ends it between two frames.)";
 
-constexpr const char* OUTPUT = R"(An output of the graph after the last frame: float32 (H, W, C), linear, rows from the top.
+constexpr const char* OUTPUT =
+    R"(An output of the graph after the last frame: float32 (H, W, C), linear, rows from the top.
 
 Raises Error when there is no such output, when it is no image, or before the first frame.)";
 
-constexpr const char* READ_PORT = R"(Raw bytes of any port "pass.output" that somebody reads, after the last frame: uint8 (N,).)";
+constexpr const char* READ_PORT =
+    R"(Raw bytes of any port "pass.output" that somebody reads, after the last frame: uint8 (N,).)";
 
-constexpr const char* CAMERA = R"(Where the camera stands: a dictionary of position and target (m), up, and yfov (radians).)";
+constexpr const char* CAMERA =
+    R"(Where the camera stands: a dictionary of position and target (m), up, and yfov (radians).)";
 
-constexpr const char* MOVE_CAMERA = R"(Move the camera from the next frame on; what is None stays. History is kept: cut() forgets it.
+constexpr const char* MOVE_CAMERA =
+    R"(Move the camera from the next frame on; what is None stays. History is kept: cut() forgets it.
 
 position, target: points (3,), m. up: direction (3,). yfov: vertical field of view, radians.)";
 
-constexpr const char* MOVE_NODE = R"(Give a node a new local matrix (4, 4) relative to its parent, from the next frame on.
+constexpr const char* MOVE_NODE =
+    R"(Give a node a new local matrix (4, 4) relative to its parent, from the next frame on.
 
 Column vectors: the translation is the last column.)";
 
 constexpr const char* SAVE = R"(Write the graph's outputs as one EXR: the first as R, G, B, the others as layers.
 
-half: half floats. output: write only this one. The header carries the graph, its knobs, seed, frames, scene, device and commit.)";
+half: half floats. output: write only this one. The header carries the graph, its knobs, seed, frames, scene, device and
+commit.)";
 
 nlohmann::json describe(const py::object& graph)
 {
@@ -50,13 +57,15 @@ nlohmann::json describe(const py::object& graph)
         return toJson(graph.attr("description")());
     if (py::isinstance<py::dict>(graph))
         return toJson(graph);
-    fail("{} is no graph; give what load_graph returns, a restirpg.Graph or a dictionary", py::repr(graph).cast<std::string>());
+    fail("{} is no graph; give what load_graph returns, a restirpg.Graph or a dictionary",
+         py::repr(graph).cast<std::string>());
 }
 
 std::unique_ptr<Renderer> makeRenderer(const std::shared_ptr<Scene>& scene, const py::object& graph,
                                        const std::pair<uint32_t, uint32_t>& size, uint32_t seed,
-                                       const std::optional<py::object>& device, const std::optional<std::string>& backend,
-                                       bool validation, float fps, float time)
+                                       const std::optional<py::object>& device,
+                                       const std::optional<std::string>& backend, bool validation, float fps,
+                                       float time)
 {
     RendererOptions options;
     options.width = size.first;
@@ -150,27 +159,31 @@ void bindKnobs(py::class_<Renderer>& renderer)
 {
     using namespace py::literals;
     renderer
-        .def("knobs", [](const Renderer& r) { return toPython(r.knobs()); }, "All knobs: {pass: {knob: value}}.")
-        .def("get", [](const Renderer& r, const std::string& knob) { return toPython(r.knob(knob)); },
-             "Value of the knob \"pass.knob\".", "knob"_a)
-        .def("set",
-             [](Renderer& r, const std::string& knob, const py::object& value) { r.setKnob(knob, toJson(value)); },
-             "Set the knob \"pass.knob\". One that changes kernels or buffers rebuilds its pass, which is a cut. Raises Error for a "
-             "wrong name, type, range or choice.",
-             "knob"_a, "value"_a)
-        .def("set_everywhere",
-             [](Renderer& r, const std::string& name, const py::object& value) {
-                 return r.setKnobEverywhere(name, toJson(value));
-             },
-             "Set a knob of every pass that has it, and return how many have.", "knob"_a, "value"_a);
+        .def(
+            "knobs", [](const Renderer& r) { return toPython(r.knobs()); }, "All knobs: {pass: {knob: value}}.")
+        .def(
+            "get", [](const Renderer& r, const std::string& knob) { return toPython(r.knob(knob)); },
+            "Value of the knob \"pass.knob\".", "knob"_a)
+        .def(
+            "set",
+            [](Renderer& r, const std::string& knob, const py::object& value) { r.setKnob(knob, toJson(value)); },
+            "Set the knob \"pass.knob\". One that changes kernels or buffers rebuilds its pass, which is a cut. Raises "
+            "Error for a wrong name, type, range or choice.",
+            "knob"_a, "value"_a)
+        .def(
+            "set_everywhere",
+            [](Renderer& r, const std::string& name, const py::object& value) {
+                return r.setKnobEverywhere(name, toJson(value));
+            },
+            "Set a knob of every pass that has it, and return how many have.", "knob"_a, "value"_a);
 }
 
 void bindMotion(py::class_<Renderer>& renderer)
 {
     using namespace py::literals;
     renderer.def_property_readonly("camera", &camera, CAMERA)
-        .def("move_camera", &moveCamera, MOVE_CAMERA, "position"_a = py::none(), "target"_a = py::none(), "up"_a = py::none(),
-             "yfov"_a = py::none())
+        .def("move_camera", &moveCamera, MOVE_CAMERA, "position"_a = py::none(), "target"_a = py::none(),
+             "up"_a = py::none(), "yfov"_a = py::none())
         .def("move_node", &moveNode, MOVE_NODE, "name"_a, "matrix"_a)
         .def("set_time", &Renderer::setTime, "Time of the scene's animation at the next frame, s.", "seconds"_a)
         .def("cut", &Renderer::cut, "Forget all history: the next frame is a first frame.");
@@ -179,11 +192,14 @@ void bindMotion(py::class_<Renderer>& renderer)
 void bindMeasurements(py::class_<Renderer>& renderer)
 {
     renderer
-        .def("gpu_times", [](const Renderer& r) { return r.gpuTimes(); }, "GPU time of the last frame: {pass: ms}.")
-        .def("total_gpu_times", [](const Renderer& r) { return r.totalGpuTimes(); },
-             "GPU time of all frames since the last cut: {pass: ms}.")
+        .def(
+            "gpu_times", [](const Renderer& r) { return r.gpuTimes(); }, "GPU time of the last frame: {pass: ms}.")
+        .def(
+            "total_gpu_times", [](const Renderer& r) { return r.totalGpuTimes(); },
+            "GPU time of all frames since the last cut: {pass: ms}.")
         .def("memory", &Renderer::memory, "Device memory: {\"scene\" or \"pass.output\": bytes}.")
-        .def_property_readonly("device_info", &deviceInfo, "The device: a dictionary of name, driver, type and backend.");
+        .def_property_readonly("device_info", &deviceInfo,
+                               "The device: a dictionary of name, driver, type and backend.");
 }
 
 }  // namespace
@@ -200,8 +216,10 @@ void bindRenderer(py::module_& module)
         .def_property_readonly(
             "size", [](const Renderer& r) { return std::pair(r.options().width, r.options().height); },
             "(width, height) in pixels.")
-        .def("output", [](Renderer& r, const std::string& name) { return toArray(r.output(name)); }, OUTPUT, "name"_a)
-        .def_property_readonly("output_names", &Renderer::outputNames, "Names of the graph's outputs; the first is the picture.")
+        .def(
+            "output", [](Renderer& r, const std::string& name) { return toArray(r.output(name)); }, OUTPUT, "name"_a)
+        .def_property_readonly("output_names", &Renderer::outputNames,
+                               "Names of the graph's outputs; the first is the picture.")
         .def("read_port", &readPort, READ_PORT, "port"_a)
         .def(
             "save",

@@ -29,7 +29,8 @@ std::shared_ptr<Scene> loadScene(const fs::path& file, uint32_t camera, const st
     if (environment)
         scene->environment = loadEnvironment(*environment);
     if (camera >= scene->cameras.size())
-        fail("{}: there is no camera {}; the scene has {}, counted from 0", file.string(), camera, scene->cameras.size());
+        fail("{}: there is no camera {}; the scene has {}, counted from 0", file.string(), camera,
+             scene->cameras.size());
     scene->camera = camera;
     return scene;
 }
@@ -67,11 +68,14 @@ void bindScene(py::module_& module)
         .def_readonly("hash", &Scene::hash, "Content hash of the file and all it refers to, 16 hexadecimal digits.")
         .def_readonly("bounce_cap", &Scene::bounceCap, "The scene's own bounce cap, or None.")
         .def_readonly("duration", &Scene::duration, "End of the last animation key, s.")
-        .def_property_readonly("triangles", &Scene::instancedTriangleCount, "Number of triangles, each instance counted.")
-        .def_property_readonly("cameras", [](const Scene& scene) { return scene.cameras.size(); }, "Number of cameras.")
+        .def_property_readonly("triangles", &Scene::instancedTriangleCount,
+                               "Number of triangles, each instance counted.")
+        .def_property_readonly(
+            "cameras", [](const Scene& scene) { return scene.cameras.size(); }, "Number of cameras.")
         .def_property_readonly("nodes", &nodeNames, "Names of the nodes, for Renderer.move_node.")
         .def("__repr__", [](const Scene& scene) {
-            return fmt::format("<restirpg.Scene {}: {} triangles>", scene.file.string(), scene.instancedTriangleCount());
+            return fmt::format("<restirpg.Scene {}: {} triangles>", scene.file.string(),
+                               scene.instancedTriangleCount());
         });
     module.def("load_scene", &loadScene, LOAD_SCENE, "file"_a, "camera"_a = 0, "environment"_a = py::none(),
                py::call_guard<py::gil_scoped_release>());
@@ -88,7 +92,8 @@ void bindScene(py::module_& module)
         py::call_guard<py::gil_scoped_release>());
 
     module.def("devices", &devices,
-               "Every Vulkan device: a list of {name, driver, type, ray_query, missing}. A device is usable when `missing`, the "
+               "Every Vulkan device: a list of {name, driver, type, ray_query, missing}. A device is usable when "
+               "`missing`, the "
                "required features it lacks, is empty.");
 }
 

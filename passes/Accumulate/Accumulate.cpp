@@ -20,7 +20,8 @@ public:
         io.output("sums", sums_, state, "sums and counts of the frames since the last cut");
         io.output("mean", mean_, image(3), "mean over the valid frames; 0 where there is none");
         io.output("variance", variance_, image(3),
-                  "unbiased sample variance of a frame's value (that of the mean is 1/frames of it); 0 before the second frame");
+                  "unbiased sample variance of a frame's value (that of the mean is 1/frames of it); 0 before the "
+                  "second frame");
         io.output("invalid", invalid_, image(1), "frames left out at the pixel: NaN, infinite or beyond 1e16");
     }
 
@@ -28,8 +29,8 @@ public:
 
     void record(Frame& frame) override
     {
-        const AccumulateParameters parameters{frame.constants(),    addressOf(direct_),  addressOf(indirect_),
-                                              addressOf(emission_), addressOf(history_), addressOf(sums_),
+        const AccumulateParameters parameters{frame.constants(),    addressOf(direct_),   addressOf(indirect_),
+                                              addressOf(emission_), addressOf(history_),  addressOf(sums_),
                                               addressOf(mean_),     addressOf(variance_), addressOf(invalid_)};
         frame.dispatchPixels(kernel_, parameters);
     }

@@ -40,10 +40,10 @@ public:
     void record(Frame& frame) override
     {
         if (frame.width() != width_ || frame.height() != height_)
-            fail("{}: the reference is {}x{} but the image is {}x{}; render at the reference's size", reference_, width_, height_,
-                 frame.width(), frame.height());
-        const ErrorMeasureParameters parameters{frame.constants(), image_->address(),  referenceBuffer_.address(),
-                                                lanes_.address(),  total_.address(),   addressOf(map_),
+            fail("{}: the reference is {}x{} but the image is {}x{}; render at the reference's size", reference_,
+                 width_, height_, frame.width(), frame.height());
+        const ErrorMeasureParameters parameters{frame.constants(), image_->address(), referenceBuffer_.address(),
+                                                lanes_.address(),  total_.address(),  addressOf(map_),
                                                 addressOf(errors_)};
         for (size_t stage = 0; stage < stages_.size(); ++stage)
             frame.dispatch(stages_[stage], parameters, stage % 2 == 0 ? LANES : 1);

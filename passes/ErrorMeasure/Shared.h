@@ -5,8 +5,8 @@
 #include "shaders/scene_types.h"
 RESTIRPG_SHARED
 
-/// Sums are made by this many invocations, each over every LANES-th pixel, and then added up in their order: the same bytes
-/// on every run.
+/// Sums are made by this many invocations, each over every LANES-th pixel, and then added up in their order: the same
+/// bytes on every run.
 RESTIRPG_CONST LANES = 1024u;
 
 /// Sums over pixels, a channel each.

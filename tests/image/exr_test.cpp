@@ -173,7 +173,8 @@ TEST_F(Exr, AFailedWriteNamesTheFileAndLeavesNothingBehind)
     EXPECT_TRUE(contains(write(folder_ / "none/a.exr", {{"", ramp(2, 2, 3)}}), "none does not exist; create it first"));
     EXPECT_TRUE(contains(write(folder_, {{"", ramp(2, 2, 3)}}), "it is a folder"));
     EXPECT_TRUE(contains(write(file, {}), "a.exr: cannot write: no layers"));
-    EXPECT_TRUE(contains(write(file, {{"", ramp(2, 2, 3)}, {"n", ramp(3, 2, 3)}}), "layer 'n' is 3x2 and the first layer 2x2"));
+    EXPECT_TRUE(
+        contains(write(file, {{"", ramp(2, 2, 3)}, {"n", ramp(3, 2, 3)}}), "layer 'n' is 3x2 and the first layer 2x2"));
     EXPECT_TRUE(contains(write(file, {{"", ramp(2, 2, 5)}}), "has 5 channels"));
     EXPECT_TRUE(contains(write(file, {{"n", Image{2, 2, 3, {}}}}), "layer 'n' has 0 values, not 2x2x3"));
     EXPECT_EQ(filesInFolder(), 0u);

@@ -21,15 +21,16 @@ protected:
     void SetUp() override
     {
         const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        folder_ = std::filesystem::temp_directory_path()
-                  / (std::string("restirpg-") + test->name() + "-" + std::to_string(getpid()));
+        folder_ = std::filesystem::temp_directory_path() /
+                  (std::string("restirpg-") + test->name() + "-" + std::to_string(getpid()));
         std::filesystem::create_directories(folder_);
     }
     void TearDown() override { std::filesystem::remove_all(folder_); }
 
     size_t filesInFolder() const
     {
-        return size_t(std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator()));
+        return size_t(
+            std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator()));
     }
 
     std::filesystem::path folder_;

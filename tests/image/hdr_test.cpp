@@ -22,14 +22,19 @@ protected:
 TEST_F(Hdr, PlainPixelsDecodeByTheSharedExponent)
 {
     // 128 * 2^(129-136) = 1; 64 * 2^(130-136) = 1; exponent 0 is black.
-    const Image image = read("-Y 1 +X 2", std::string("\x80\x40\x20\x81" "\x40\x20\x10\x00", 8));
+    const Image image = read("-Y 1 +X 2", std::string("\x80\x40\x20\x81"
+                                                      "\x40\x20\x10\x00",
+                                                      8));
     EXPECT_EQ(image.data, (std::vector<float>{1.0f, 0.5f, 0.25f, 0.0f, 0.0f, 0.0f}));
 }
 
 TEST_F(Hdr, OldRunsRepeatThePixelBefore)
 {
     // One pixel, then it again 3 times and 1 * 256 times more: 260.
-    const Image image = read("-Y 1 +X 260", std::string("\x80\x40\x20\x81" "\1\1\1\3" "\1\1\1\1", 12));
+    const Image image = read("-Y 1 +X 260", std::string("\x80\x40\x20\x81"
+                                                        "\1\1\1\3"
+                                                        "\1\1\1\1",
+                                                        12));
     for (uint32_t x = 0; x < 260; ++x)
         ASSERT_EQ(image.at(x, 0, 1), 0.5f) << x;
 }
@@ -37,7 +42,12 @@ TEST_F(Hdr, OldRunsRepeatThePixelBefore)
 TEST_F(Hdr, CodedRowsMixRunsAndLiterals)
 {
     // 8 pixels: red a run of 8; green 4 literals and a run of 4; blue a run; exponent a run of 8.
-    const Image image = read("-Y 1 +X 8", std::string("\2\2\0\10" "\x88\x80" "\4\1\2\3\4\x84\5" "\x88\x20" "\x88\x88", 17));
+    const Image image = read("-Y 1 +X 8", std::string("\2\2\0\10"
+                                                      "\x88\x80"
+                                                      "\4\1\2\3\4\x84\5"
+                                                      "\x88\x20"
+                                                      "\x88\x88",
+                                                      17));
     EXPECT_EQ(image.at(0, 0, 0), 128.0f);
     EXPECT_EQ(image.at(2, 0, 1), 3.0f);
     EXPECT_EQ(image.at(7, 0, 1), 5.0f);
@@ -62,7 +72,12 @@ TEST_F(Hdr, AFileOfAnotherWriterIsReadWithinItsPrecision)
 
 TEST_F(Hdr, ATruncatedFileIsAnErrorAtEveryLength)
 {
-    const std::string pixels("\2\2\0\10" "\x88\x80" "\4\1\2\3\4\x84\5" "\x88\x20" "\x88\x88", 17);
+    const std::string pixels("\2\2\0\10"
+                             "\x88\x80"
+                             "\4\1\2\3\4\x84\5"
+                             "\x88\x20"
+                             "\x88\x88",
+                             17);
     for (size_t size = 0; size < pixels.size(); ++size)
         EXPECT_TRUE(contains(errorOf([&] { read("-Y 1 +X 8", pixels.substr(0, size)); }), "it is truncated")) << size;
 }

@@ -71,7 +71,8 @@ std::vector<char> mutate(std::vector<char> bytes, std::mt19937& random, size_t h
         break;
     case 2: {
         const size_t first = place();
-        bytes.erase(bytes.begin() + ptrdiff_t(first), bytes.begin() + ptrdiff_t(std::min(bytes.size(), first + 1 + below(40))));
+        bytes.erase(bytes.begin() + ptrdiff_t(first),
+                    bytes.begin() + ptrdiff_t(std::min(bytes.size(), first + 1 + below(40))));
         break;
     }
     default:
@@ -89,7 +90,8 @@ TEST_F(HostileImage, FiveHundredMutationsOfAnExrAreReadOrRefusedInOneLine)
         SCOPED_TRACE("mutation " + std::to_string(i));
         writeBytes(folder_ / "bad.exr", mutate(bytes, random, 500));
         const bool read = isReadOrOneError(folder_ / "bad.exr", [](const fs::path& f) { return readExr(f); });
-        const bool readHeader = isReadOrOneError(folder_ / "bad.exr", [](const fs::path& f) { return readExrAttributes(f); });
+        const bool readHeader =
+            isReadOrOneError(folder_ / "bad.exr", [](const fs::path& f) { return readExrAttributes(f); });
         EXPECT_LE(read, readHeader);
         refused += !read;
     }
@@ -125,8 +127,9 @@ TEST_F(HostileImage, AHugeDataWindowIsRefusedByItsClaim)
 
 TEST_F(HostileImage, FilesThatAreNotImagesAreRefused)
 {
-    for (const std::string text : {"", "\n", "v/1\1", "#?RADIANCE", "#?RADIANCE\n\n-Y 0 +X 0\n", "#?RADIANCE\n\n-Y 4 +X\n",
-                                   "#?RADIANCE\n\n-Y 60000 +X 60000\n", "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n"}) {
+    for (const std::string text :
+         {"", "\n", "v/1\1", "#?RADIANCE", "#?RADIANCE\n\n-Y 0 +X 0\n", "#?RADIANCE\n\n-Y 4 +X\n",
+          "#?RADIANCE\n\n-Y 60000 +X 60000\n", "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n"}) {
         writeBytes(folder_ / "bad", {text.begin(), text.end()});
         EXPECT_FALSE(isReadOrOneError(folder_ / "bad", [](const fs::path& f) { return readExr(f); })) << text;
         EXPECT_FALSE(isReadOrOneError(folder_ / "bad", [](const fs::path& f) { return readHdr(f); })) << text;

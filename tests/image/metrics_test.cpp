@@ -71,7 +71,8 @@ TEST(Metrics, WithoutAValidPixelTheFiguresAreNaN)
 {
     const Errors errors = measureErrors(constant(2, 3, {1, 1, std::nanf("")}), constant(2, 3, {1, 1, 1}));
     EXPECT_EQ(errors.invalid, 6u);
-    EXPECT_TRUE(std::isnan(errors.mape) && std::isnan(errors.relMse) && std::isnan(errors.rmse) && std::isnan(errors.bias));
+    EXPECT_TRUE(std::isnan(errors.mape) && std::isnan(errors.relMse) && std::isnan(errors.rmse) &&
+                std::isnan(errors.bias));
 }
 
 TEST(Metrics, AFireflyOfAnyFiniteSizeStaysFinite)
@@ -84,7 +85,8 @@ TEST(Metrics, AFireflyOfAnyFiniteSizeStaysFinite)
 
 TEST(Metrics, DifferentShapesAreAnError)
 {
-    EXPECT_TRUE(contains(errorOf([] { measureErrors(ramp(2, 2, 3), ramp(2, 3, 3)); }), "a 2x2 image with a 2x3 reference"));
+    EXPECT_TRUE(
+        contains(errorOf([] { measureErrors(ramp(2, 2, 3), ramp(2, 3, 3)); }), "a 2x2 image with a 2x3 reference"));
     EXPECT_TRUE(contains(errorOf([] { measureErrors(ramp(2, 2, 1), ramp(2, 2, 3)); }), "1 and 3 channels"));
 }
 

@@ -92,12 +92,13 @@ TEST_F(Png, OneChannelIsGreyAndInvalidPixelsAreBlack)
 
 TEST_F(Png, AUsersConfigIsUsed)
 {
-    const auto own = config("ocio_profile_version: 2\nsearch_path: \"\"\nroles: {default: raw, scene_linear: lin_rec709}\n"
-                            "file_rules:\n  - !<Rule> {name: Default, colorspace: default}\n"
-                            "displays:\n  half:\n    - !<View> {name: darker, colorspace: halved}\n"
-                            "colorspaces:\n  - !<ColorSpace> {name: raw}\n  - !<ColorSpace> {name: lin_rec709}\n"
-                            "  - !<ColorSpace>\n    name: halved\n    from_scene_reference: !<MatrixTransform> "
-                            "{matrix: [0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1]}\n");
+    const auto own =
+        config("ocio_profile_version: 2\nsearch_path: \"\"\nroles: {default: raw, scene_linear: lin_rec709}\n"
+               "file_rules:\n  - !<Rule> {name: Default, colorspace: default}\n"
+               "displays:\n  half:\n    - !<View> {name: darker, colorspace: halved}\n"
+               "colorspaces:\n  - !<ColorSpace> {name: raw}\n  - !<ColorSpace> {name: lin_rec709}\n"
+               "  - !<ColorSpace>\n    name: halved\n    from_scene_reference: !<MatrixTransform> "
+               "{matrix: [0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1]}\n");
     EXPECT_EQ(shown(constant(1, 1, {1.0f, 0.4f, 0.0f}), {own.string(), "", "", 0}), (std::vector<int>{128, 51, 0}));
 }
 
@@ -106,7 +107,8 @@ TEST_F(Png, WrongChoicesAreNamedWithTheRightOnes)
     const auto error = [&](const DisplayTransform& transform) {
         return errorOf([&] { writePng(folder_ / "b.png", constant(1, 1, {1, 1, 1}), transform); });
     };
-    EXPECT_TRUE(contains(error({"", "P3", "", 0}), "it has no display 'P3'; choose from sRGB")) << error({"", "P3", "", 0});
+    EXPECT_TRUE(contains(error({"", "P3", "", 0}), "it has no display 'P3'; choose from sRGB"))
+        << error({"", "P3", "", 0});
     EXPECT_TRUE(contains(error({"", "", "Filmic", 0}), "no view 'Filmic'; choose from Standard, ACES"));
     EXPECT_TRUE(contains(error({"none.ocio", "", "", 0}), "none.ocio: cannot use it as an OpenColorIO config"));
     const std::string broken = error({config("displays: [").string(), "", "", 0});
@@ -117,7 +119,9 @@ TEST_F(Png, WrongChoicesAreNamedWithTheRightOnes)
 
 TEST_F(Png, AFailedWriteNamesTheFileAndLeavesNothingBehind)
 {
-    const auto error = [&](const fs::path& file, const Image& image) { return errorOf([&] { writePng(file, image); }); };
+    const auto error = [&](const fs::path& file, const Image& image) {
+        return errorOf([&] { writePng(file, image); });
+    };
     EXPECT_TRUE(contains(error(folder_ / "none/a.png", constant(1, 1, {1, 1, 1})), "create it first"));
     EXPECT_TRUE(contains(error(folder_ / "a.png", constant(1, 1, {1, 1})), "1 or 3 channels, the image is 1x1x2"));
     EXPECT_TRUE(contains(error(folder_ / "a.png", {}), "a.png: cannot write"));

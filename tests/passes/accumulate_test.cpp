@@ -85,7 +85,8 @@ std::vector<Values> heavyTailedFrames(uint32_t count)
     return frames;
 }
 
-/// A float division follows the sums, within 2.5 units in the last place (2^-24) in Vulkan; the sum's own rounding is half a unit.
+/// A float division follows the sums, within 2.5 units in the last place (2^-24) in Vulkan; the sum's own rounding is
+/// half a unit.
 constexpr double TOLERANCE = 3.0 / (1 << 23);
 
 TEST_F(AccumulateTest, MeanAndVarianceAreExactOverAHundredThousandFrames)

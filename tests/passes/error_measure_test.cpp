@@ -132,7 +132,8 @@ TEST_F(ErrorMeasureTest, WithoutAValidPixelTheFiguresAreNaN)
     Image image = noise(10);
     std::fill(image.data.begin(), image.data.end(), std::numeric_limits<float>::quiet_NaN());
     const MeasuredErrors device = measure(image, noise(11));
-    EXPECT_TRUE(std::isnan(device.mape) && std::isnan(device.relMse) && std::isnan(device.rmse) && std::isnan(device.bias));
+    EXPECT_TRUE(std::isnan(device.mape) && std::isnan(device.relMse) && std::isnan(device.rmse) &&
+                std::isnan(device.bias));
     EXPECT_EQ(device.invalid, WIDTH * HEIGHT);
 }
 

@@ -65,7 +65,8 @@ public:
     void build() { pass_->build(device_); }
 
     /// Record `frames` frames into one command buffer and run it. `prepare(frame)` may connect ports.
-    void run(uint32_t frames, const std::function<void(uint32_t)>& prepare = [](uint32_t) {})
+    void run(
+        uint32_t frames, const std::function<void(uint32_t)>& prepare = [](uint32_t) {})
     {
         device_.submit([&](VkCommandBuffer commands) {
             for (uint32_t index = 0; index < frames; ++index) {

@@ -1,4 +1,5 @@
-// Every struct that C++ and GLSL share lies in memory as the compiled kernels read it: offsets and sizes of C++ against SPIR-V's.
+// Every struct that C++ and GLSL share lies in memory as the compiled kernels read it: offsets and sizes of C++ against
+// SPIR-V's.
 #include "gpu/shader.h"
 #include "shaders/double_single_types.h"
 #include "shaders/frame_types.h"
@@ -41,25 +42,33 @@ struct Layout {
 #define EXPAND2(...) EXPAND1(EXPAND1(EXPAND1(__VA_ARGS__)))
 #define EXPAND1(...) __VA_ARGS__
 #define FOR_EACH(macro, type, ...) __VA_OPT__(EXPAND(FOR_EACH_NEXT(macro, type, __VA_ARGS__)))
-#define FOR_EACH_NEXT(macro, type, first, ...) \
+#define FOR_EACH_NEXT(macro, type, first, ...)                                                                         \
     macro(type, first) __VA_OPT__(FOR_EACH_AGAIN PARENTHESES(macro, type, __VA_ARGS__))
 #define FOR_EACH_AGAIN() FOR_EACH_NEXT
 #define MEMBER(type, member) Member{#member, uint32_t(offsetof(type, member))},
-#define LAYOUT(type, ...) Layout{#type, uint32_t(sizeof(type)), {FOR_EACH(MEMBER, type, __VA_ARGS__)}}
+#define LAYOUT(type, ...)                                                                                              \
+    Layout                                                                                                             \
+    {                                                                                                                  \
+#type, uint32_t(sizeof(type)),                                                                                 \
+        {                                                                                                              \
+            FOR_EACH(MEMBER, type, __VA_ARGS__)                                                                        \
+        }                                                                                                              \
+    }
 
 const std::vector<Layout> LAYOUTS = {
     LAYOUT(TextureRef, row0, row1, index, uvSet),
     LAYOUT(Material, baseColor, metallic, emission, roughness, specularColor, specular, absorption, transmission, ior,
-           coatAverage, alpha, alphaCutoff, normalScale, flags, baseColorMap, metallicRoughnessMap, normalMap, emissiveMap,
-           transmissionMap, specularMap, specularColorMap),
+           coatAverage, alpha, alphaCutoff, normalScale, flags, baseColorMap, metallicRoughnessMap, normalMap,
+           emissiveMap, transmissionMap, specularMap, specularColorMap),
     LAYOUT(VertexAttributes, normal, tangent, uv0, uv1, color),
-    LAYOUT(Mesh, bvhNodes, bvhTriangles, firstTriangle, triangleCount, firstVertex, flags),
+    LAYOUT(Mesh, firstTriangle, triangleCount, firstVertex),
     LAYOUT(Instance, objectToWorld, worldToObject, previousObjectToWorld, mesh, lightMap, flipped, node),
-    LAYOUT(Light, type, instance, triangle, pmf, aliasThreshold, alias, position, direction, intensity, cosInner, cosOuter),
+    LAYOUT(Light, type, instance, triangle, pmf, aliasThreshold, alias, position, direction, intensity, cosInner,
+           cosOuter),
     LAYOUT(EnvironmentCell, pdf, aliasThreshold, alias),
     LAYOUT(Camera, position, right, up, forward),
     LAYOUT(SceneTable, positions, attributes, indices, materialOfTriangle, materials, meshes, instances, lights,
-           lightOfTriangle, environmentCells, tlasNodes, tlasInstances, instanceCount, lightCount, environmentLight,
+           lightOfTriangle, environmentCells, tlasNodes, bvhObjects, instanceCount, lightCount, environmentLight,
            environmentTexture, environmentSize, environmentRadiance, environmentRotation, center, radius),
     LAYOUT(BvhNode, lower0, upper0, lower1, upper1, child0, child1),
     LAYOUT(BvhTriangle, vertex, edge1, edge2, triangle),
@@ -71,7 +80,8 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(ErrorSums, reference, absolute, relativeSquared, squared, difference, valid),
     LAYOUT(MeasuredErrors, mape, relMse, rmse, bias, invalid),
     LAYOUT(ErrorMeasureParameters, frame, image, reference, lanes, total, map, errors),
-    LAYOUT(GBufferParameters, frame, surface, emission, normal, geometricNormal, albedo, depth, motion, material, jitter),
+    LAYOUT(GBufferParameters, frame, surface, emission, normal, geometricNormal, albedo, depth, motion, material,
+           jitter),
     LAYOUT(PathTracerParameters, frame, surface, radiance, bounces, nextEventEstimation, direct),
 };
 
@@ -80,15 +90,17 @@ std::string kernelText()
 {
     std::string declarations, uses;
     for (const Layout& layout : LAYOUTS) {
-        declarations += fmt::format("layout(buffer_reference, scalar, buffer_reference_align = 4) buffer {0}Array {{ {0} at[]; }};\n",
-                                    layout.name);
+        declarations += fmt::format(
+            "layout(buffer_reference, scalar, buffer_reference_align = 4) buffer {0}Array {{ {0} at[]; }};\n",
+            layout.name);
         uses += fmt::format("    {0}Array(address).at[0] = {0}Array(address).at[1];\n", layout.name);
     }
     std::string includes = "#include \"prelude.glsl\"\n#include \"double_single_types.h\"\n";
     for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "PathTracerGuided"})
         includes += fmt::format("#include \"{}/passes/{}/Shared.h\"\n", RESTIRPG_SOURCE, pass);
-    return "#version 460\n" + includes + "layout(local_size_x = 1) in;\nlayout(push_constant) uniform Push { Address address; };\n"
-           + declarations + "void main()\n{\n" + uses + "}\n";
+    return "#version 460\n" + includes +
+           "layout(local_size_x = 1) in;\nlayout(push_constant) uniform Push { Address address; };\n" + declarations +
+           "void main()\n{\n" + uses + "}\n";
 }
 
 /// The structs of a SPIR-V module that lie in buffers, by name.  [SPIR-V 1.5, sections 2.3 and 3.32]
@@ -102,8 +114,12 @@ std::map<std::string, Layout> readLayouts(const std::vector<uint32_t>& spirv)
     for (size_t i = HEADER_WORDS; i < spirv.size(); i += spirv[i] >> 16) {
         const uint32_t* word = &spirv[i];
         switch (word[0] & 0xffffu) {
-        case NAME: names[word[1]] = reinterpret_cast<const char*>(word + 2); break;
-        case MEMBER_NAME: members[word[1]][word[2]].name = reinterpret_cast<const char*>(word + 3); break;
+        case NAME:
+            names[word[1]] = reinterpret_cast<const char*>(word + 2);
+            break;
+        case MEMBER_NAME:
+            members[word[1]][word[2]].name = reinterpret_cast<const char*>(word + 3);
+            break;
         case MEMBER_DECORATE:
             if (word[3] == OFFSET)
                 members[word[1]][word[2]].offset = word[4];
@@ -112,8 +128,11 @@ std::map<std::string, Layout> readLayouts(const std::vector<uint32_t>& spirv)
             if (word[2] == ARRAY_STRIDE)
                 strides[word[1]] = word[3];
             break;
-        case TYPE_RUNTIME_ARRAY: elementOf[word[1]] = word[2]; break;
-        default: break;
+        case TYPE_RUNTIME_ARRAY:
+            elementOf[word[1]] = word[2];
+            break;
+        default:
+            break;
         }
     }
     std::map<std::string, Layout> layouts;
