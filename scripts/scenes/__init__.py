@@ -1,5 +1,5 @@
 """The embedded scenes, each a function that returns a SceneFile."""
 
-from . import analytic, court, door, gallery
+from . import analytic, court, door, gallery, rooms, temple
 
-SCENES = {build.__name__: build for family in (analytic, door, gallery, court) for build in family.FAMILY}
+SCENES = {build.__name__: build for family in (analytic, door, gallery, court, rooms, temple) for build in family.FAMILY}

@@ -65,7 +65,7 @@ def column(height, radius=0.2, flutes=16):
 def _fluted_shaft(radius, bottom, top, flutes, sides=6, rings=12):
     """A tapering shaft with swelling (entasis); facets across the flutes are smooth."""
     def point(u, v):
-        swelling = radius * (1 - 0.15 * v ** 1.6)
+        swelling = radius * (1 - 0.15 * v * np.abs(v) ** 0.6)
         r = swelling * (1 - 0.055 * np.abs(np.sin(math.pi * flutes * u)) ** 0.8)
         a = 2 * math.pi * u
         return np.stack([r * np.cos(a), bottom + (top - bottom) * v, -r * np.sin(a)], -1)

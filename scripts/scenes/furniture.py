@@ -242,3 +242,40 @@ def curtain(width, height, folds, depth=0.05, seed=1):
 def ring_pull(radius=0.016):
     """A drawer's ring, facing +z about the origin."""
     return torus(radius, 0.0025, 24, 8).turned("x", 90)
+
+
+def sofa(width=2.0, depth=0.9):
+    """A sofa facing +z: parts "frame", "seat" (cushions) and "feet"."""
+    half, arm = width / 2, 0.18
+    frame = [rounded_box((-half, 0.10, -depth / 2), (half, 0.30, depth / 2), 0.03, 3),
+             rounded_box((-half + arm, 0.28, -depth / 2), (half - arm, 0.82, -depth / 2 + 0.2), 0.06, 4)]
+    frame += [rounded_box((x, 0.10, -depth / 2), (x + arm, 0.58, depth / 2), 0.06, 4) for x in (-half, half - arm)]
+    each = (width - 2 * arm) / 2
+    seats = [cushion(each * 0.99, depth - 0.2, 0.2).moved(s * each / 2, 0.27, 0.1) for s in (-1, 1)]
+    backs = [cushion(each * 0.96, 0.5, 0.2).turned("x", 74).moved(s * each / 2, 0.63, -depth / 2 + 0.20) for s in (-1, 1)]
+    feet = copies(cylinder(0.025, 0.1), [(sx * (half - 0.1), 0, sz * (depth / 2 - 0.1)) for sx in (-1, 1) for sz in (-1, 1)])
+    return {"frame": join(*frame), "seat": join(*seats, *backs), "feet": feet}
+
+
+def shelf(width, height, boards, depth=0.28):
+    """A bookcase with its back at z = 0 and its front at +z; also returns the heights of the boards' upper faces."""
+    half, thick = width / 2, 0.025
+    tops = [0.08 + (height - 0.08 - thick) * k / (boards - 1) + thick for k in range(boards)]
+    parts = [rounded_box((x, 0, 0), (x + thick, height, depth)) for x in (-half, half - thick)]
+    parts += [rounded_box((-half + thick, y - thick, 0.005), (half - thick, y, depth - 0.004), 0.002) for y in tops]
+    parts.append(rounded_box((-half + thick, 0.08, 0.0), (half - thick, height, 0.01), 0.001))
+    return join(*parts), tops
+
+
+def cup_lamp(radius, height, wall=0.004, segments=48):
+    """A deep cup, open at the top, with a floor inside at 4 cm: the tube of an uplighter (closed surface)."""
+    return lathe([(0, 0), (radius, 0), (radius, height), (radius - wall, height), (radius - wall, 0.04), (0, 0.04)], segments)
+
+
+def disc(radius, segments=32):
+    """A flat disc facing +y."""
+    angles = 2 * math.pi * np.arange(segments) / segments
+    rim = np.stack([radius * np.cos(angles), np.zeros(segments), -radius * np.sin(angles)], -1)
+    k = np.arange(segments)
+    return Mesh(np.concatenate([[(0, 0, 0)], rim]), np.tile((0.0, 1.0, 0.0), (segments + 1, 1)), np.zeros((segments + 1, 2)),
+                np.stack([np.zeros(segments, int), 1 + k, 1 + (k + 1) % segments], -1))
