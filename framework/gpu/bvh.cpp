@@ -16,7 +16,11 @@ namespace restirpg {
 namespace {
 
 constexpr uint32_t MAX_DEPTH = 40;  // with TLAS_DEPTH and the way out of an instance below BVH_STACK
+constexpr uint32_t SPLIT_CAPACITY = 2;  // room for references made by spatial splits, times the triangles
 constexpr uint32_t TLAS_DEPTH = 22;
+
+/// The box of an unused child: a point so far away that no ray reaches it. (An inverted box would not do: the slab test sorts.)
+constexpr glm::vec3 NOWHERE(1e30f);
 
 /// The tree as Embree's callbacks make it, before it is flattened.
 struct TreeNode {
@@ -54,6 +58,38 @@ void* createLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* pri
     leaf->first = primitives;
     leaf->count = count;
     return leaf;
+}
+
+/// Embree's callback of a spatial split: the bounds of the two parts of a triangle, cut at a plane across an axis.
+void splitTriangle(const RTCBuildPrimitive* primitive, unsigned axis, float plane, RTCBounds* left, RTCBounds* right,
+                   void* user)
+{
+    const auto& corners = static_cast<const SourceTriangle*>(user)[primitive->primID].corners;
+    const Box whole{{primitive->lower_x, primitive->lower_y, primitive->lower_z},
+                    {primitive->upper_x, primitive->upper_y, primitive->upper_z}};
+    Box below, above;
+    const int d = int(axis);
+    for (int i = 0; i < 3; ++i) {
+        const glm::vec3 a = corners[i], b = corners[(i + 1) % 3];
+        if (a[d] <= plane)
+            below.extend(a);
+        if (a[d] >= plane)
+            above.extend(a);
+        if ((a[d] < plane && plane < b[d]) || (b[d] < plane && plane < a[d])) {
+            const glm::vec3 cut = glm::mix(a, b, (plane - a[d]) / (b[d] - a[d]));
+            below.extend(cut);
+            above.extend(cut);
+        }
+    }
+    // The primitive may be a part already: stay inside its bounds, and inside this side of the plane.
+    const auto store = [&](Box part, RTCBounds& bounds) {
+        part.lower = glm::max(part.lower, whole.lower);
+        part.upper = glm::min(part.upper, whole.upper);
+        bounds = {part.lower.x, part.lower.y, part.lower.z, 0, part.upper.x, part.upper.y, part.upper.z, 0};
+    };
+    below.upper[d] = above.lower[d] = plane;
+    store(below, *left);
+    store(above, *right);
 }
 
 /// Depth-first copy of the tree into the flat form.
@@ -105,14 +141,11 @@ RTCDevice builderDevice()
     return device.get();
 }
 
-}  // namespace
-
-Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeafSize)
+Bvh build(std::span<const Box> boxes, uint32_t maxLeafSize, const SourceTriangle* triangles)
 {
     Bvh bvh;
     if (boxes.empty()) {
-        const Box nothing;
-        bvh.nodes.push_back({nothing.lower, nothing.upper, nothing.lower, nothing.upper, ~0, ~0});
+        bvh.nodes.push_back({NOWHERE, NOWHERE, NOWHERE, NOWHERE, ~0, ~0});
         return bvh;
     }
     auto primitives = toPrimitives(boxes);
@@ -127,8 +160,15 @@ Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeafSize)
     arguments.maxLeafSize = maxLeafSize;
     arguments.traversalCost = 1;
     arguments.intersectionCost = 1;
+    arguments.primitiveCount = primitives.size();
+    if (triangles) {
+        arguments.buildQuality = RTC_BUILD_QUALITY_HIGH;
+        arguments.splitPrimitive = splitTriangle;
+        arguments.userPtr = const_cast<SourceTriangle*>(triangles);
+        primitives.resize(primitives.size() * SPLIT_CAPACITY);
+    }
     arguments.primitives = primitives.data();
-    arguments.primitiveCount = arguments.primitiveArrayCapacity = primitives.size();
+    arguments.primitiveArrayCapacity = primitives.size();
     arguments.createNode = createNode;
     arguments.setNodeChildren = setChildren;
     arguments.setNodeBounds = setBounds;
@@ -144,8 +184,7 @@ Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeafSize)
             all.extend(box.lower);
             all.extend(box.upper);
         }
-        const Box nothing;
-        bvh.nodes.push_back({all.lower, all.upper, nothing.lower, nothing.upper, 0, ~0});
+        bvh.nodes.push_back({all.lower, all.upper, NOWHERE, NOWHERE, 0, ~0});
         bvh.nodes[0].child0 = Flattener(bvh).add(root);
         return bvh;
     }
@@ -153,20 +192,27 @@ Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeafSize)
     return bvh;
 }
 
-TriangleBvh buildTriangleBvh(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles)
+}  // namespace
+
+Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeafSize)
+{
+    return build(boxes, maxLeafSize, nullptr);
+}
+
+TriangleBvh buildTriangleBvh(std::span<const SourceTriangle> triangles)
 {
     std::vector<Box> boxes(triangles.size());
     for (size_t i = 0; i < triangles.size(); ++i)
-        for (int corner = 0; corner < 3; ++corner)
-            boxes[i].extend(positions[triangles[i][corner]]);
+        for (const auto& corner : triangles[i].corners)
+            boxes[i].extend(corner);
     constexpr uint32_t MAX_LEAF = 4;
-    Bvh bvh = buildBvh(boxes, MAX_LEAF);
+    Bvh bvh = build(boxes, MAX_LEAF, triangles.data());
     TriangleBvh result{std::move(bvh.nodes), {}};
     result.triangles.reserve(bvh.order.size());
     for (uint32_t i : bvh.order) {
         const auto& t = triangles[i];
         result.triangles.push_back(
-            {positions[t.x], positions[t.y] - positions[t.x], positions[t.z] - positions[t.x], i});
+            {t.corners[0], t.corners[1] - t.corners[0], t.corners[2] - t.corners[0], t.instance, t.triangle});
     }
     return result;
 }

@@ -22,18 +22,27 @@ struct Box {
 /// A hierarchy over boxes. Leaves refer to ranges of `order`.
 struct Bvh {
     std::vector<BvhNode> nodes;  ///< the root first; at least one node
-    std::vector<uint32_t> order;  ///< input indices in leaf order; an index can stand more than once (spatial splits)
+    std::vector<uint32_t> order;  ///< input indices in leaf order; with spatial splits an index can stand more than once
 };
 
 /// Surface-area-heuristic build (binned), at most maxLeafSize <= 2^BVH_LEAF_BITS primitives a leaf.
 /// Deterministic: the same input gives the same nodes in the same order.
 Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeafSize);
 
-/// The hierarchy of a triangle mesh with its triangles in leaf order.
+/// The hierarchy of a triangle soup with its triangles in leaf order.
 struct TriangleBvh {
     std::vector<BvhNode> nodes;
     std::vector<BvhTriangle> triangles;
 };
-TriangleBvh buildTriangleBvh(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles);
+
+/// A triangle to build over, and what BvhTriangle says of it.
+struct SourceTriangle {
+    glm::vec3 corners[3];
+    uint32_t instance;
+    uint32_t triangle;
+};
+
+/// As buildBvh, with spatial splits (Stich et al. 2009): a triangle can stand in several leaves.
+TriangleBvh buildTriangleBvh(std::span<const SourceTriangle> triangles);
 
 }  // namespace restirpg

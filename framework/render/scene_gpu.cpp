@@ -31,18 +31,6 @@ TextureSource toSource(const Texture& texture)
     return source;
 }
 
-/// The world box of a mesh's box.
-Box transformBox(const Box& box, const glm::mat4x3& toWorld)
-{
-    Box world;
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::vec3 p(corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,
-                          corner & 4 ? box.upper.z : box.lower.z);
-        world.extend(toWorld * glm::vec4(p, 1));
-    }
-    return world;
-}
-
 bool hasAlphaMask(const Scene& scene)
 {
     return std::any_of(scene.materials.begin(), scene.materials.end(),
@@ -59,7 +47,8 @@ SceneGpu::SceneGpu(Device& device, const Scene& scene, const std::vector<glm::ma
     uploadMeshes();
     uploadTextures();
     placeInstances(pose);
-    buildTopLevel();
+    createAcceleration();
+    refreshInstances();
     uploadLights(pose);
     pose_ = pose;
     bytes_ = device.allocatedBytes() - before;
@@ -81,35 +70,29 @@ void SceneGpu::uploadGeometry()
 
 void SceneGpu::uploadMeshes()
 {
-    const bool software = device_.backend() == Backend::software;
-    std::vector<AccelerationMesh> structures;
-    for (const auto& mesh : scene_.meshes) {
-        MeshGpu gpu;
-        const std::span positions(scene_.positions.data() + mesh.firstVertex, mesh.vertexCount);
-        const std::span triangles(scene_.triangles.data() + mesh.firstTriangle, mesh.triangleCount);
-        for (const auto& triangle : triangles)
-            for (int corner = 0; corner < 3; ++corner)
-                gpu.bounds.extend(positions[triangle[corner]]);
-        const bool masked = std::any_of(
-            scene_.materialOfTriangle.begin() + mesh.firstTriangle,
-            scene_.materialOfTriangle.begin() + mesh.firstTriangle + mesh.triangleCount,
-            [&](uint32_t material) { return scene_.materials[material].flags & MATERIAL_ALPHA_MASK; });
-        if (software) {
-            const auto bvh = buildTriangleBvh(positions, triangles);
-            gpu.nodes = device_.createBuffer(bvh.nodes, "BVH nodes");
-            gpu.triangles = device_.createBuffer(bvh.triangles, "BVH triangles");
-        }
-        structures.push_back({table_.positions + mesh.firstVertex * sizeof(glm::vec3),
-                              table_.indices + mesh.firstTriangle * sizeof(glm::uvec3), mesh.vertexCount,
-                              mesh.triangleCount, !masked});
-        meshTable_.push_back({gpu.nodes.address(), gpu.triangles.address(), mesh.firstTriangle, mesh.triangleCount,
-                              mesh.firstVertex, masked ? MESH_HAS_ALPHA_MASK : 0});
-        meshes_.push_back(std::move(gpu));
+    std::vector<Mesh> meshes;
+    for (const auto& mesh : scene_.meshes)
+        meshes.push_back({mesh.firstTriangle, mesh.triangleCount, mesh.firstVertex});
+    table_.meshes = keep(device_.createBuffer(meshes, "meshes")).address();
+}
+
+void SceneGpu::createAcceleration()
+{
+    if (device_.backend() == Backend::software) {
+        software_ = std::make_unique<SoftwareTracing>(device_, scene_, instances_);
+        return;
     }
-    meshBuffer_ = device_.createBuffer(meshTable_, "meshes");
-    table_.meshes = meshBuffer_.address();
-    if (!software)
-        acceleration_ = std::make_unique<AccelerationStructures>(device_, structures);
+    std::vector<AccelerationMesh> meshes;
+    for (const auto& mesh : scene_.meshes) {
+        const auto first = scene_.materialOfTriangle.begin() + mesh.firstTriangle;
+        const bool masked = std::any_of(first, first + mesh.triangleCount, [&](uint32_t material) {
+            return scene_.materials[material].flags & MATERIAL_ALPHA_MASK;
+        });
+        meshes.push_back({table_.positions + mesh.firstVertex * sizeof(glm::vec3),
+                          table_.indices + mesh.firstTriangle * sizeof(glm::uvec3), mesh.vertexCount, mesh.triangleCount,
+                          !masked});
+    }
+    acceleration_ = std::make_unique<AccelerationStructures>(device_, meshes);
 }
 
 void SceneGpu::uploadTextures()
@@ -132,21 +115,25 @@ void SceneGpu::uploadTextures()
 
 void SceneGpu::placeInstances(const std::vector<glm::mat4>& pose)
 {
-    Box world;
+    glm::vec3 lower(1e30f), upper(-1e30f);
     for (const auto& node : scene_.instances) {
         Instance instance{};
         instance.mesh = node.mesh;
         instance.node = node.node;
         instance.lightMap = INVALID_INDEX;
         instance.objectToWorld = instance.previousObjectToWorld = glm::mat4x3(pose[node.node]);
+        instance.worldToObject = glm::mat4x3(glm::inverse(pose[node.node]));
         instances_.push_back(instance);
-        const Box box = transformBox(meshes_[node.mesh].bounds, instance.objectToWorld);
-        world.extend(box.lower);
-        world.extend(box.upper);
+        const auto& mesh = scene_.meshes[node.mesh];
+        for (uint32_t v = 0; v < mesh.vertexCount; ++v) {
+            const glm::vec3 p = instance.objectToWorld * glm::vec4(scene_.positions[mesh.firstVertex + v], 1);
+            lower = glm::min(lower, p);
+            upper = glm::max(upper, p);
+        }
     }
     // The bounding sphere of the first pose. It scales light powers and cell sizes, which have to stand still while nodes move.
-    table_.center = 0.5f * (world.lower + world.upper);
-    table_.radius = std::max(0.5f * glm::distance(world.lower, world.upper), 1e-6f);
+    table_.center = 0.5f * (lower + upper);
+    table_.radius = std::max(0.5f * glm::distance(lower, upper), 1e-6f);
     table_.instanceCount = uint32_t(instances_.size());
     instanceBuffer_ = device_.createBuffer(instances_, "instances");
     table_.instances = instanceBuffer_.address();
@@ -167,8 +154,8 @@ void SceneGpu::uploadLights(const std::vector<glm::mat4>& pose)
         table_.environmentCells = keep(device_.createBuffer(lights_.environmentCells, "environment cells")).address();
 }
 
-/// The world's hierarchy over the instances as they stand, and their inverse matrices.
-void SceneGpu::buildTopLevel()
+/// Inverse matrices, and the acceleration structure over the instances as they stand.
+void SceneGpu::refreshInstances()
 {
     for (auto& instance : instances_) {
         const glm::mat4 toWorld(instance.objectToWorld);
@@ -176,25 +163,13 @@ void SceneGpu::buildTopLevel()
         instance.flipped = glm::determinant(glm::mat3(toWorld)) < 0;
     }
     device_.upload(instanceBuffer_, instances_.data(), instances_.size() * sizeof(Instance));
-    if (acceleration_) {
+    if (software_) {
+        software_->update(instances_);
+        software_->fill(table_);
+    } else {
         acceleration_->buildTopLevel(instances_);
         bindings_->setAccelerationStructure(acceleration_->topLevel());
-        return;
     }
-    std::vector<Box> boxes;
-    for (const auto& instance : instances_)
-        boxes.push_back(transformBox(meshes_[instance.mesh].bounds, instance.objectToWorld));
-    const Bvh bvh = buildBvh(boxes, 1);
-    const auto put = [&](Buffer& buffer, const auto& contents, const char* name) {
-        if (buffer.bytes() < contents.size() * sizeof(contents[0]))
-            buffer = device_.createBuffer(contents, name);
-        else
-            device_.upload(buffer, contents.data(), contents.size() * sizeof(contents[0]));
-    };
-    put(tlasNodes_, bvh.nodes, "TLAS nodes");
-    put(tlasInstances_, bvh.order, "TLAS instances");
-    table_.tlasNodes = tlasNodes_.address();
-    table_.tlasInstances = tlasInstances_.address();
 }
 
 void SceneGpu::update(const std::vector<glm::mat4>& pose)
@@ -206,7 +181,7 @@ void SceneGpu::update(const std::vector<glm::mat4>& pose)
         instances_[i].previousObjectToWorld = instances_[i].objectToWorld;
         instances_[i].objectToWorld = glm::mat4x3(pose[scene_.instances[i].node]);
     }
-    buildTopLevel();
+    refreshInstances();
     if (moved) {
         moveLights(lights_, scene_, pose);
         device_.upload(lightBuffer_, lights_.lights.data(), lights_.lights.size() * sizeof(Light));

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "gpu/accel.h"
-#include "gpu/bvh.h"
 #include "gpu/texture.h"
+#include "render/software_tracing.h"
 #include "scene/lights.h"
 #include "scene/scene.h"
 #include "shaders/frame_types.h"
@@ -30,32 +30,26 @@ public:
     uint64_t bytes() const { return bytes_; }
 
 private:
-    struct MeshGpu {
-        Buffer nodes;
-        Buffer triangles;
-        Box bounds;
-    };
-
     void uploadGeometry();
     void uploadMeshes();
+    void createAcceleration();
     void uploadTextures();
     void placeInstances(const std::vector<glm::mat4>& pose);
     void uploadLights(const std::vector<glm::mat4>& pose);
-    void buildTopLevel();
+    void refreshInstances();
     Buffer& keep(Buffer buffer);
 
     Device& device_;
     const Scene& scene_;
     SceneTable table_{};
     std::vector<Buffer> buffers_;
-    std::vector<MeshGpu> meshes_;
-    std::vector<Mesh> meshTable_;
     std::vector<Instance> instances_;
     LightTable lights_;
     std::vector<glm::mat4> pose_;
     bool settled_ = true;  ///< previous and current matrices agree on the device
-    Buffer meshBuffer_, instanceBuffer_, lightBuffer_, tlasNodes_, tlasInstances_;
+    Buffer instanceBuffer_, lightBuffer_;
     std::unique_ptr<BindingSet> bindings_;
+    std::unique_ptr<SoftwareTracing> software_;
     std::unique_ptr<AccelerationStructures> acceleration_;
     uint64_t bytes_ = 0;
 };

@@ -110,6 +110,17 @@ uint64_t Scene::instancedTriangleCount() const
     return count;
 }
 
+std::vector<bool> animatedNodes(const Scene& scene)
+{
+    std::vector<bool> animated(scene.nodes.size());
+    for (const auto& channel : scene.channels)
+        animated[channel.node] = true;
+    for (size_t i = 0; i < scene.nodes.size(); ++i)  // parents come first
+        if (scene.nodes[i].parent >= 0 && animated[size_t(scene.nodes[i].parent)])
+            animated[i] = true;
+    return animated;
+}
+
 std::vector<glm::mat4> poseNodes(const Scene& scene, float time, const std::vector<std::optional<glm::mat4>>& overrides)
 {
     auto nodes = scene.nodes;

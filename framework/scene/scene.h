@@ -125,6 +125,9 @@ struct Scene {
 std::vector<glm::mat4> poseNodes(const Scene& scene, float time,
                                  const std::vector<std::optional<glm::mat4>>& overrides = {});
 
+/// Per node: does its animation, or that of a node above it, ever move it?
+std::vector<bool> animatedNodes(const Scene& scene);
+
 /// The shader's camera for one of the scene's camera nodes and an image aspect (width / height).
 Camera makeCamera(const CameraNode& camera, const glm::mat4& nodeToWorld, float aspect);
 

@@ -60,16 +60,12 @@ struct VertexAttributes {
     vec3 color;  ///< linear COLOR_0, 1 when absent
 };
 
-/// One glTF mesh, all of its primitives: a range of the global index and vertex arrays, and a bottom-level BVH.
+/// One glTF mesh, all of its primitives: a range of the global index and vertex arrays.
 struct Mesh {
-    Address bvhNodes;  ///< software back end: BvhNode[]
-    Address bvhTriangles;  ///< software back end: BvhTriangle[]
     uint firstTriangle;  ///< into the triangle arrays (indices, materials)
     uint triangleCount;
     uint firstVertex;  ///< added to each index
-    uint flags;  ///< MESH_*
 };
-RESTIRPG_CONST MESH_HAS_ALPHA_MASK = 1u;
 
 /// A mesh placed in the world.
 struct Instance {
@@ -132,7 +128,7 @@ struct SceneTable {
     Address lightOfTriangle;  ///< uint, see Instance::lightMap
     Address environmentCells;  ///< EnvironmentCell per texel, row by row; 0: constant
     Address tlasNodes;  ///< software back end: BvhNode[]
-    Address tlasInstances;  ///< software back end: uint[], instance of each leaf slot
+    Address bvhObjects;  ///< software back end: BvhObject[], in the order of the TLAS's leaves
     uint instanceCount;
     uint lightCount;
     uint environmentLight;  ///< index of the environment in lights; INVALID_INDEX: none
@@ -145,7 +141,7 @@ struct SceneTable {
 };
 
 /// A two-child BVH node. A child >= 0 is the index of an inner node; a child < 0 is a leaf of count primitives from first on:
-/// child = ~(first << BVH_LEAF_BITS | count - 1). An unused child has an inverted box. 56 bytes.
+/// child = ~(first << BVH_LEAF_BITS | count - 1). An unused child has a box that no ray reaches. 56 bytes.
 struct BvhNode {
     vec3 lower0;
     vec3 upper0;
@@ -158,12 +154,23 @@ RESTIRPG_CONST BVH_LEAF_BITS = 3u;
 /// Entries of the traversal stack: the deepest two-level path, one entry a level and one for the way out of an instance.
 RESTIRPG_CONST BVH_STACK = 64u;
 
-/// A triangle as traversal reads it (Moeller-Trumbore). 40 bytes.
+/// A triangle as traversal reads it (Moeller-Trumbore). 44 bytes.
 struct BvhTriangle {
     vec3 vertex;
     vec3 edge1;
     vec3 edge2;
+    uint instance;  ///< in the static batch: the instance it belongs to; in a mesh's own hierarchy: not used
     uint triangle;  ///< index within the mesh
+};
+
+/// What a leaf of the software back end's top level refers to: the static batch (triangles of everything that stands still, in
+/// world space) or an instance of a mesh with a hierarchy of its own.
+struct BvhObject {
+    Address nodes;  ///< BvhNode[]
+    Address triangles;  ///< BvhTriangle[]
+    mat4x3 worldToObject;
+    uint instance;  ///< INVALID_INDEX: the static batch
+    uint masked;  ///< 1: some triangle has an alpha mask
 };
 
 /// A primary or secondary hit: enough to rebuild the surface. The payload type of the graph's "Surface" ports. 16 bytes.

@@ -5,9 +5,10 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer BvhNodeArray { BvhNode at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer BvhTriangleArray { BvhTriangle at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer BvhObjectArray { BvhObject at[]; };
 
-/// On the stack: leave the instance, go on in the world's hierarchy. No node index is as low, no leaf as high.
-const int LEAVE_INSTANCE = int(0x80000000);
+/// On the stack: leave the object, go on in the world's hierarchy. No node index is as low, no leaf as high.
+const int LEAVE_OBJECT = int(0x80000000);
 const int STACK_EMPTY = int(0x80000001);
 
 /// 1 / d with zero components pushed away from zero, so that slab tests stay finite.
@@ -50,6 +51,7 @@ bool traverse(vec3 world_origin, vec3 world_direction, inout float t, bool any, 
     stack[0] = STACK_EMPTY;
     int top = 1;
     int node = 0;
+    bool in_world = true;
     uint instance = INVALID_INDEX;
 #if RESTIRPG_ALPHA_MASK
     bool masked = false;
@@ -73,28 +75,28 @@ bool traverse(vec3 world_origin, vec3 world_direction, inout float t, bool any, 
             if (max(t0, t1) < RAY_INFINITY)
                 stack[top++] = far;
             node = min(t0, t1) < RAY_INFINITY ? near : stack[--top];
-        } else if (node == LEAVE_INSTANCE) {
-            instance = INVALID_INDEX;
+        } else if (node == LEAVE_OBJECT) {
+            in_world = true;
             nodes = BvhNodeArray(SCENE.tlasNodes);
             origin = world_origin;
             direction = world_direction;
             reciprocal = safe_reciprocal(direction);
             origin_over_d = origin * reciprocal;
             node = stack[--top];
-        } else if (instance == INVALID_INDEX) {
-            instance = UintArray(SCENE.tlasInstances).at[uint(~node) >> BVH_LEAF_BITS];
-            Instance placed = InstanceArray(SCENE.instances).at[instance];
-            Mesh mesh = MeshArray(SCENE.meshes).at[placed.mesh];
+        } else if (in_world) {
+            BvhObject object = BvhObjectArray(SCENE.bvhObjects).at[uint(~node) >> BVH_LEAF_BITS];
+            in_world = false;
+            instance = object.instance;
 #if RESTIRPG_ALPHA_MASK
-            masked = (mesh.flags & MESH_HAS_ALPHA_MASK) != 0u;
+            masked = object.masked != 0u;
 #endif
-            nodes = BvhNodeArray(mesh.bvhNodes);
-            triangles = BvhTriangleArray(mesh.bvhTriangles);
-            origin = placed.worldToObject * vec4(world_origin, 1.0);
-            direction = placed.worldToObject * vec4(world_direction, 0.0);
+            nodes = BvhNodeArray(object.nodes);
+            triangles = BvhTriangleArray(object.triangles);
+            origin = object.worldToObject * vec4(world_origin, 1.0);
+            direction = object.worldToObject * vec4(world_direction, 0.0);
             reciprocal = safe_reciprocal(direction);
             origin_over_d = origin * reciprocal;
-            stack[top++] = LEAVE_INSTANCE;
+            stack[top++] = LEAVE_OBJECT;
             node = 0;
         } else {
             uint first = uint(~node) >> BVH_LEAF_BITS;
@@ -103,12 +105,13 @@ bool traverse(vec3 world_origin, vec3 world_direction, inout float t, bool any, 
                 BvhTriangle triangle = triangles.at[i];
                 vec3 uvt;
                 bool found = hit_triangle(triangle, origin, direction, t, uvt);
+                uint owner = instance == INVALID_INDEX ? triangle.instance : instance;
 #if RESTIRPG_ALPHA_MASK
-                found = found && (!masked || passes_alpha_mask(instance, triangle.triangle, uvt.xy));
+                found = found && (!masked || passes_alpha_mask(owner, triangle.triangle, uvt.xy));
 #endif
                 if (found) {
                     t = uvt.z;
-                    hit = Hit(instance, triangle.triangle, uvt.xy);
+                    hit = Hit(owner, triangle.triangle, uvt.xy);
                 }
             }
             node = any && hit.instance != INVALID_INDEX ? STACK_EMPTY : stack[--top];

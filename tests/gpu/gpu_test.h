@@ -11,21 +11,28 @@
 
 namespace restirpg::test {
 
-/// The device of this process: lavapipe, or what RESTIRPG_TEST_DEVICE names. A validation message fails the call that caused it.
+/// The device tests run on: lavapipe, or what RESTIRPG_TEST_DEVICE names.
+inline std::string testDevice()
+{
+    const char* wanted = std::getenv("RESTIRPG_TEST_DEVICE");
+    return wanted ? wanted : "llvmpipe";
+}
+
+/// The device of this process. A validation message fails the call that caused it.
 inline Device& device()
 {
-    static const char* wanted = std::getenv("RESTIRPG_TEST_DEVICE");
-    static Device instance(DeviceOptions{.device = wanted ? wanted : "llvmpipe", .validation = true});
+    static Device instance(DeviceOptions{.device = testDevice(), .validation = true});
     return instance;
 }
 
 /// tests/gpu/NAME.comp, compiled once a process.
 inline const Kernel& kernel(const std::string& name)
 {
+    Device& target = device();  // first: static objects are destroyed in the reverse order of their making
     static std::map<std::string, Kernel> kernels;
     auto found = kernels.find(name);
     if (found == kernels.end())
-        found = kernels.emplace(name, Kernel(device(), std::string(RESTIRPG_SOURCE) + "/tests/gpu/" + name + ".comp")).first;
+        found = kernels.emplace(name, Kernel(target, std::string(RESTIRPG_SOURCE) + "/tests/gpu/" + name + ".comp")).first;
     return found->second;
 }
 

@@ -1,0 +1,46 @@
+// The software back end's acceleration structure: a top level over one static batch and the objects that move.
+#pragma once
+
+#include "gpu/bvh.h"
+#include "gpu/device.h"
+#include "scene/scene.h"
+
+#include <span>
+#include <vector>
+
+namespace restirpg {
+
+/// Everything that stands still, and whose mesh no other instance shares, is one hierarchy in world space: rays enter one tree
+/// instead of many that overlap (measured: 1.1 to 1.4 times the rays a second on scenes of 20 to 70 meshes). An instance that
+/// moves for the first time leaves the batch, which is built again without it. Hits are the same either way.
+class SoftwareTracing {
+public:
+    SoftwareTracing(Device& device, const Scene& scene, std::span<const Instance> instances);
+
+    /// Follow the instances' matrices.
+    void update(std::span<const Instance> instances);
+    void fill(SceneTable& table) const;
+
+private:
+    struct Hierarchy {
+        Buffer nodes;
+        Buffer triangles;
+        Box bounds;
+    };
+    Hierarchy build(std::span<const SourceTriangle> triangles, const std::string& name);
+    void buildBatch(std::span<const Instance> instances);
+    void appendTriangles(std::vector<SourceTriangle>& triangles, uint32_t mesh, uint32_t instance,
+                         const glm::mat4x3& toTarget) const;
+    bool isMasked(uint32_t mesh) const;
+
+    Device& device_;
+    const Scene& scene_;
+    std::vector<Hierarchy> meshes_;  ///< built when an instance of the mesh first needs it
+    Hierarchy batch_;
+    bool batchMasked_ = false;
+    std::vector<bool> batched_;  ///< per instance
+    std::vector<glm::mat4x3> batchPose_;
+    Buffer topNodes_, objects_;
+};
+
+}  // namespace restirpg

@@ -1,0 +1,5 @@
+add_library(trace_support OBJECT trace/rays.cpp trace/embree_scene.cpp)
+target_include_directories(trace_support PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
+target_compile_definitions(trace_support PRIVATE RESTIRPG_SOURCE="${PROJECT_SOURCE_DIR}")
+target_link_libraries(trace_support PUBLIC restirpg ${EMBREE_LIBRARY})
+restirpg_test(trace_test SOURCES trace/trace_test.cpp LINKS trace_support)
