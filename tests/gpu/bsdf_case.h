@@ -69,6 +69,8 @@ struct BsdfValues {
     float pdf;
     vec3 probabilities;  ///< DIFFUSE, REFLECT, TRANSMIT
     float pdfSum;  ///< P(lobe) pdf_lobe summed one by one
+    vec3 labelProbabilities;  ///< SMOOTH, SHARP_REFLECT, SHARP_TRANSMIT
+    float labelPdfSum;  ///< P(label) label_pdf summed one by one
 };
 
 RESTIRPG_SHARED_END

@@ -19,5 +19,10 @@ void main()
     for (uint lobe = LOBE_DIFFUSE; lobe <= LOBE_TRANSMIT; lobe <<= 1u)
         if ((lobe & test.lobe) != 0u)
             values.pdfSum += bsdf_lobe_probability(b, pair.wo, lobe) * bsdf_lobe_pdf(b, pair.wo, pair.wi, lobe);
+    values.labelPdfSum = 0.0;
+    for (uint label = LABEL_SMOOTH; label <= LABEL_SHARP_TRANSMIT; ++label) {
+        values.labelProbabilities[label] = label_probability(b, pair.wo, label);
+        values.labelPdfSum += values.labelProbabilities[label] * label_pdf(b, pair.wo, pair.wi, label);
+    }
     ValuesArray(test.results).at[gl_GlobalInvocationID.x] = values;
 }
