@@ -7,7 +7,8 @@ import time
 
 import numpy as np
 import pytest
-from renderer_scenes import SIZE, frame_graph, make_renderer, renderer, restirpg, scene, scene_file  # noqa: F401
+from renderer_scenes import (  # noqa: F401
+    SIZE, frame_graph, make_renderer, renderer, restirpg, scene, scene_file, write_flying_panel)
 
 
 def image_after(renderer, frames, output="image"):
@@ -118,6 +119,18 @@ def test_a_node_is_moved_by_a_matrix_whose_last_column_is_the_translation(scene)
     assert "no node is named 'Towel'" in refusal(renderer.move_node, "Towel", away)
     assert "matrix (4, 4)" in refusal(renderer.move_node, "Tower", np.eye(3))
     assert "NaN" in refusal(renderer.move_node, "Tower", np.full((4, 4), np.nan))
+
+
+def test_the_animation_stands_at_the_frames_time(tmp_path):
+    panel = restirpg.load_scene(write_flying_panel(tmp_path / "panel.gltf"))
+    assert panel.duration == 1
+    here, gone = 1.0, 0.0
+    still, late, moving = (make_renderer(panel, frame_graph(), **options) for options in ({}, {"time": 2}, {"fps": 1}))
+    for renderer, expected in [(still, (here, here)), (late, (gone, gone)), (moving, (here, gone))]:
+        for value in expected:
+            np.testing.assert_allclose(image_after(renderer, 1, "emission"), value)
+    still.set_time(1)
+    np.testing.assert_allclose(image_after(still, 1, "emission"), gone)
 
 
 def test_times_and_memory_are_reported_for_every_pass(renderer):
