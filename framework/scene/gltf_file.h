@@ -9,6 +9,7 @@
 #include <tiny_gltf.h>
 
 #include <initializer_list>
+#include <span>
 #include <string_view>
 
 namespace restirpg::gltf {
@@ -51,6 +52,17 @@ std::vector<uint32_t> readIndices(const File& file, int accessor, const std::str
 /// Decode image `index` (PNG or JPEG) into `texture`: 8 bit as stored, 16 bit as linear floats. `texture.srgb` says how to read it.
 /// Throws Error naming the image when it cannot be decoded or is larger than 16384 a side.
 void decodeImage(const File& file, int index, Texture& texture);
+
+/// A decoded JPEG, or why there is none.
+struct JpegImage {
+    bool valid = false;
+    uint32_t width = 0;
+    uint32_t height = 0;
+    std::vector<uint8_t> rgba;  ///< empty when a side is larger than allowed
+    std::string message;  ///< the error, or the first warning about damaged data; empty: none
+};
+
+JpegImage decodeJpeg(std::span<const uint8_t> encoded, uint32_t largestSide);
 
 /// Fill scene.materials (one a glTF material, then the default material) and scene.textures.
 void readMaterials(const File& file, Scene& scene);

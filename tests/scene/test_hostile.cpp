@@ -1,11 +1,13 @@
 // Damaged and hostile files: always one clear line, never a crash.
 #include "gltf_builder.h"
 
+#include "core/log.h"
 #include "scene/gltf.h"
 #include "scene/lights.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -127,6 +129,31 @@ TEST(Hostile, ImagesThatDoNotDecodeAreNamed)
     empty[19] = 0;
     expectError(textured(empty), {"image 0 'Bricks'"});
     expectError([&](auto& b) { textured(png)(b); b.json["textures"][0].erase("source"); }, {"textures[0]", "no PNG or JPEG"});
+}
+
+TEST(Hostile, ForgedJpegsAreErrorsOrDamagedPictures)
+{
+    const auto jpeg = encodeJpeg(16, 16, std::vector<uint8_t>(1024, 77));
+    const auto loadWith = [](const std::vector<uint8_t>& image) {
+        auto builder = squareScene();
+        primitiveOf(builder)["material"] = builder.addMaterial({{"normalTexture", {{"index", builder.addTexture(image)}}}});
+        return load(builder);
+    };
+    EXPECT_NEAR(loadWith(jpeg).textures[0].sample({0.5f, 0.5f}).x, 77.0f / 255, 0.01f);
+    // 255 codes of every length: more than the table holds.
+    auto forged = jpeg;
+    const std::vector<uint8_t> marker = {0xff, 0xc4};
+    const auto table = std::search(forged.begin(), forged.end(), marker.begin(), marker.end());
+    ASSERT_NE(table, forged.end());
+    std::fill(table + 5, table + 21, 255);
+    EXPECT_NE(errorOf([&] { loadWith(forged); }).find("Bogus"), std::string::npos);
+    std::vector<uint8_t> noise(1024);
+    std::generate(noise.begin(), noise.end(), std::mt19937(5));
+    auto truncated = encodeJpeg(16, 16, noise);
+    truncated.resize(truncated.size() - 20);
+    EXPECT_EQ(loadWith(truncated).textures[0].width, 16u);
+    const auto said = saidWarnings();
+    EXPECT_TRUE(std::any_of(said.begin(), said.end(), [](const auto& text) { return text.find("image 0: is damaged") != text.npos; }));
 }
 
 TEST(Hostile, BrokenDataUrisAreOneShortLine)
