@@ -57,7 +57,8 @@ Environment loadEnvironment(const std::string& source)
         return environment;
     }
     auto extension = std::filesystem::path(source).extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return char(std::tolower(c)); });
     if (extension != ".exr" && extension != ".hdr")
         fail("environment '{}': is neither an .exr, nor an .hdr, nor three numbers r,g,b; give one of these", source);
     const auto image = extension == ".exr" ? readExr(source) : readHdr(source);

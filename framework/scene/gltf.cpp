@@ -39,7 +39,8 @@ Bounds worldBounds(const Scene& scene)
     return bounds;
 }
 
-/// The view of ../shared/tools/gltf_to_mitsuba.py --frame: 40 degrees, from the upper right, the bounding sphere almost filling it.
+/// The view of ../shared/tools/gltf_to_mitsuba.py --frame: 40 degrees, from the upper right, the bounding sphere
+/// almost filling it.
 void addDefaultCamera(Scene& scene, const Bounds& bounds)
 {
     constexpr float YFOV = 0.6981317f;  // 40 degrees
@@ -51,7 +52,8 @@ void addDefaultCamera(Scene& scene, const Bounds& bounds)
     Node node;
     node.name = "default camera";
     node.gltfIndex = INVALID_INDEX;
-    node.matrix = glm::mat4(glm::vec4(right, 0), glm::vec4(glm::cross(backward, right), 0), glm::vec4(backward, 0), glm::vec4(eye, 1));
+    node.matrix = glm::mat4(glm::vec4(right, 0), glm::vec4(glm::cross(backward, right), 0), glm::vec4(backward, 0),
+                            glm::vec4(eye, 1));
     scene.nodes.push_back(node);
     scene.cameras.push_back({node.name, uint32_t(scene.nodes.size() - 1), YFOV});
 }
@@ -85,12 +87,15 @@ void readEnvironment(const File& file, const tinygltf::Value& settings, Scene& s
         scene.environment.emplace();
         scene.environment->radiance = glm::max(color(settings, "environment", glm::vec3(0)), 0.0f);
     } else {
-        fail("{}: asset.extras.restirpg.environment: must be a file name or three numbers; mend the extras", file.name());
+        fail("{}: asset.extras.restirpg.environment: must be a file name or three numbers; mend the extras",
+             file.name());
     }
     scene.environment->radiance *= std::max(number(settings, "strength", 1), 0.0f);
     scene.environment->rotation = glm::radians(number(settings, "rotation", 0));
-    if (!std::isfinite(glm::dot(scene.environment->radiance, glm::vec3(1))) || !std::isfinite(scene.environment->rotation))
-        fail("{}: asset.extras.restirpg: environment, strength or rotation is not finite; mend the extras", file.name());
+    if (!std::isfinite(glm::dot(scene.environment->radiance, glm::vec3(1))) ||
+        !std::isfinite(scene.environment->rotation))
+        fail("{}: asset.extras.restirpg: environment, strength or rotation is not finite; mend the extras",
+             file.name());
 }
 
 void readExtras(const File& file, Scene& scene, uint64_t& hash)

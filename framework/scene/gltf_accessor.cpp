@@ -27,22 +27,23 @@ size_t componentSize(const File& file, int accessor, uint32_t componentType, con
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return 2;
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
     case TINYGLTF_COMPONENT_TYPE_FLOAT: return 4;
-    default: fail("{}: {}: accessor {} has component type {}, which glTF 2.0 does not know; export it again", file.name(), place,
-                  accessor, componentType);
+    default:
+        fail("{}: {}: accessor {} has component type {}, which glTF 2.0 does not know; export it again", file.name(),
+             place, accessor, componentType);
     }
 }
 
 /// `count` elements of `size` bytes at `offset` of a buffer view, `stride` 0: tightly packed.
-Elements elementsOf(const File& file, int accessor, int bufferView, size_t offset, size_t count, size_t size, size_t stride,
-                    const std::string& place)
+Elements elementsOf(const File& file, int accessor, int bufferView, size_t offset, size_t count, size_t size,
+                    size_t stride, const std::string& place)
 {
     const auto& view = file.model.bufferViews[size_t(bufferView)];
     stride = stride ? stride : size;
     // All of these are below 2^31 (checkStructure), so that the product fits 64 bits.
     const uint64_t end = count ? offset + uint64_t(count - 1) * stride + size : 0;
     if (end > view.byteLength)
-        fail("{}: {}: accessor {} needs {} bytes of bufferViews[{}], which has {}; export it again", file.name(), place, accessor,
-             end, bufferView, view.byteLength);
+        fail("{}: {}: accessor {} needs {} bytes of bufferViews[{}], which has {}; export it again", file.name(), place,
+             accessor, end, bufferView, view.byteLength);
     return {file.model.buffers[size_t(view.buffer)].data.data() + view.byteOffset + offset, stride};
 }
 
@@ -57,7 +58,9 @@ T load(const uint8_t* bytes)
 /// One component as a float [glTF 2.0, 3.11: c / 127, max(c / 127, -1) ...].
 float loadFloat(const uint8_t* bytes, int componentType, bool normalized)
 {
-    const auto signedValue = [&](float value, float largest) { return normalized ? std::max(value / largest, -1.0f) : value; };
+    const auto signedValue = [&](float value, float largest) {
+        return normalized ? std::max(value / largest, -1.0f) : value;
+    };
     const auto unsignedValue = [&](float value, float largest) { return normalized ? value / largest : value; };
     switch (componentType) {
     case TINYGLTF_COMPONENT_TYPE_BYTE: return signedValue(load<int8_t>(bytes), 127);
@@ -80,8 +83,9 @@ uint32_t loadIndex(const uint8_t* bytes, uint32_t componentType)
 
 bool isIndexType(uint32_t componentType)
 {
-    return componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE || componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT
-        || componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+    return componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+           componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+           componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
 }
 
 /// Overwrite the elements that a sparse accessor replaces.
@@ -91,7 +95,8 @@ void applySparse(const File& file, int index, const std::string& place, size_t c
     const auto& sparse = accessor.sparse;
     const auto type = uint32_t(sparse.indices.componentType);
     if (!isIndexType(type))
-        fail("{}: {}: accessor {} has sparse indices of component type {}; export it again", file.name(), place, index, type);
+        fail("{}: {}: accessor {} has sparse indices of component type {}; export it again", file.name(), place, index,
+             type);
     const size_t indexSize = componentSize(file, index, type, place);
     const size_t size = componentSize(file, index, uint32_t(accessor.componentType), place);
     const auto indices = elementsOf(file, index, sparse.indices.bufferView, size_t(sparse.indices.byteOffset),
@@ -104,8 +109,8 @@ void applySparse(const File& file, int index, const std::string& place, size_t c
             fail("{}: {}: accessor {} replaces element {} of {}; export it again", file.name(), place, index, element,
                  accessor.count);
         for (size_t c = 0; c < components; ++c)
-            values[element * components + c] =
-                loadFloat(replacements.first + i * replacements.stride + c * size, accessor.componentType, accessor.normalized);
+            values[element * components + c] = loadFloat(replacements.first + i * replacements.stride + c * size,
+                                                         accessor.componentType, accessor.normalized);
     }
 }
 
@@ -139,11 +144,12 @@ std::vector<float> readFloats(const File& file, int index, const std::string& pl
         values.resize(accessor.count * components);
         for (size_t i = 0; i < accessor.count; ++i)
             for (size_t c = 0; c < components; ++c)
-                values[i * components + c] =
-                    loadFloat(elements.first + i * elements.stride + c * size, accessor.componentType, accessor.normalized);
+                values[i * components + c] = loadFloat(elements.first + i * elements.stride + c * size,
+                                                       accessor.componentType, accessor.normalized);
     } else {
         if (accessor.count > LARGEST_ZERO_ACCESSOR)
-            fail("{}: {}: accessor {} has {} elements but no data; export it again", file.name(), place, index, accessor.count);
+            fail("{}: {}: accessor {} has {} elements but no data; export it again", file.name(), place, index,
+                 accessor.count);
         values.resize(accessor.count * components);
     }
     if (accessor.sparse.isSparse)
@@ -151,8 +157,8 @@ std::vector<float> readFloats(const File& file, int index, const std::string& pl
 
     const auto bad = std::find_if(values.begin(), values.end(), [](float x) { return !std::isfinite(x); });
     if (bad != values.end())
-        fail("{}: {}: element {} of accessor {} is not a finite number; repair the mesh and export it again", file.name(), place,
-             size_t(bad - values.begin()) / components, index);
+        fail("{}: {}: element {} of accessor {} is not a finite number; repair the mesh and export it again",
+             file.name(), place, size_t(bad - values.begin()) / components, index);
     return values;
 }
 
@@ -160,8 +166,10 @@ std::vector<uint32_t> readIndices(const File& file, int index, const std::string
 {
     const auto& accessor = file.model.accessors[size_t(index)];
     const auto type = uint32_t(accessor.componentType);
-    if (accessor.type != TINYGLTF_TYPE_SCALAR || !isIndexType(type) || accessor.bufferView < 0 || accessor.sparse.isSparse)
-        fail("{}: {}: accessor {} is not a plain list of unsigned integers; export it again", file.name(), place, index);
+    if (accessor.type != TINYGLTF_TYPE_SCALAR || !isIndexType(type) || accessor.bufferView < 0 ||
+        accessor.sparse.isSparse)
+        fail("{}: {}: accessor {} is not a plain list of unsigned integers; export it again", file.name(), place,
+             index);
     const auto stride = file.model.bufferViews[size_t(accessor.bufferView)].byteStride;
     const auto elements = elementsOf(file, index, accessor.bufferView, accessor.byteOffset, accessor.count,
                                      componentSize(file, index, type, place), stride, place);

@@ -22,8 +22,9 @@ constexpr uint32_t GLB_BIN = 0x004e4942u;
 
 /// What the reader reads; everything else is refused when required and named in a warning when not.
 const std::set<std::string> SUPPORTED_EXTENSIONS = {
-    "KHR_materials_emissive_strength", "KHR_materials_transmission", "KHR_materials_ior", "KHR_materials_specular",
-    "KHR_materials_volume", "KHR_materials_unlit", "KHR_texture_transform", "KHR_lights_punctual", "KHR_mesh_quantization",
+    "KHR_materials_emissive_strength", "KHR_materials_transmission", "KHR_materials_ior",
+    "KHR_materials_specular",          "KHR_materials_volume",       "KHR_materials_unlit",
+    "KHR_texture_transform",           "KHR_lights_punctual",        "KHR_mesh_quantization",
 };
 
 std::vector<uint8_t> readBytes(const std::filesystem::path& path)
@@ -66,7 +67,8 @@ std::string_view jsonText(const std::string& file, const std::vector<uint8_t>& b
     if (word(bytes, 4) != 2)
         fail("{}: GLB version {}; export it as glTF 2.0", file, word(bytes, 4));
     if (word(bytes, 8) > bytes.size())
-        fail("{}: truncated: the header says {} bytes, the file has {}; copy the file again", file, word(bytes, 8), bytes.size());
+        fail("{}: truncated: the header says {} bytes, the file has {}; copy the file again", file, word(bytes, 8),
+             bytes.size());
     uint64_t end = 12;
     for (int chunk = 0; chunk < 2 && (chunk == 0 || end + 8 <= word(bytes, 8)); ++chunk) {
         const uint64_t length = word(bytes, end);
@@ -147,7 +149,8 @@ bool readExternal(std::vector<unsigned char>* bytes, std::string* error, const s
 }
 
 /// Keeps the encoded bytes: only textures that a material uses are worth decoding.
-bool keepEncoded(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes, int size, void*)
+bool keepEncoded(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
+                 int size, void*)
 {
     if (image->bufferView < 0 && size > 0)
         image->image.assign(bytes, bytes + size);
@@ -217,14 +220,20 @@ File readFile(const std::filesystem::path& path)
     }
 
     // An absolute folder keeps tinygltf from falling back to the working directory.
-    ExternalFiles external{std::filesystem::absolute(path).parent_path().string(), hashBytes(bytes.data(), bytes.size())};
+    ExternalFiles external{std::filesystem::absolute(path).parent_path().string(),
+                           hashBytes(bytes.data(), bytes.size())};
     tinygltf::TinyGLTF reader;
     reader.SetImageLoader(keepEncoded, nullptr);
-    reader.SetFsCallbacks({externalExists, [](const std::string& name, void*) { return name; }, readExternal, nullptr, &external});
+    reader.SetFsCallbacks(
+        {externalExists, [](const std::string& name, void*) { return name; }, readExternal, nullptr, &external});
     std::string error, warning;
-    const bool read = isBinary(bytes)
-        ? reader.LoadBinaryFromMemory(&file.model, &error, &warning, bytes.data(), unsigned(bytes.size()), external.folder)
-        : reader.LoadASCIIFromString(&file.model, &error, &warning, text.data(), unsigned(text.size()), external.folder);
+    bool read = false;
+    if (isBinary(bytes))
+        read = reader.LoadBinaryFromMemory(&file.model, &error, &warning, bytes.data(), unsigned(bytes.size()),
+                                           external.folder);
+    else
+        read = reader.LoadASCIIFromString(&file.model, &error, &warning, text.data(), unsigned(text.size()),
+                                          external.folder);
     if (!read)
         fail("{}: damaged: {}; export it again", file.name(), printable(error));
     file.hash = external.hash;

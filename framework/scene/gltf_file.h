@@ -23,13 +23,14 @@ struct File {
     std::string name() const { return path.string(); }
 };
 
-/// Read and check the container, the JSON and the buffers. Images stay encoded (tinygltf::Image::image) until a texture needs
-/// them. Throws Error for everything that is damaged, hostile or needs an extension that this reader lacks.
+/// Read and check the container, the JSON and the buffers. Images stay encoded (tinygltf::Image::image) until a
+/// texture needs them. Throws Error for everything that is damaged, hostile or needs an extension that this reader
+/// lacks.
 File readFile(const std::filesystem::path& path);
 
-/// Check the JSON against the parts of the glTF schema that the reader relies on: types, array lengths, index ranges, buffer view
-/// ranges. tinygltf ignores optional members of the wrong type and trusts indices; after this check neither matters.
-/// Throws Error naming the JSON path.
+/// Check the JSON against the parts of the glTF schema that the reader relies on: types, array lengths, index
+/// ranges, buffer view ranges. tinygltf ignores optional members of the wrong type and trusts indices; after this
+/// check neither matters. Throws Error naming the JSON path.
 void checkStructure(const std::string& file, const nlohmann::json& root);
 
 /// FNV-1a, 64 bit (Fowler, Noll, Vo), continued from `hash`.
@@ -42,15 +43,16 @@ std::string printable(std::string_view text);
 std::string label(std::string_view kind, size_t index, const std::string& name);
 
 /// All elements of an accessor as floats, element after element; integers are normalised where the accessor says so.
-/// `place` names it in errors ("mesh 3 'Floor' POSITION"); the accessor's type must be one of `types` (TINYGLTF_TYPE_*).
-/// Throws Error when it leaves its buffer view, has another type, or holds a NaN or an infinity.
-std::vector<float> readFloats(const File& file, int accessor, const std::string& place, std::initializer_list<int> types);
+/// `place` names it in errors ("mesh 3 'Floor' POSITION"); the accessor's type must be one of `types`
+/// (TINYGLTF_TYPE_*). Throws Error when it leaves its buffer view, has another type, or holds a NaN or an infinity.
+std::vector<float> readFloats(const File& file, int accessor, const std::string& place,
+                              std::initializer_list<int> types);
 
 /// All elements of a scalar accessor of unsigned integers.
 std::vector<uint32_t> readIndices(const File& file, int accessor, const std::string& place);
 
-/// Decode image `index` (PNG or JPEG) into `texture`: 8 bit as stored, 16 bit as linear floats. `texture.srgb` says how to read it.
-/// Throws Error naming the image when it cannot be decoded or is larger than 16384 a side.
+/// Decode image `index` (PNG or JPEG) into `texture`: 8 bit as stored, 16 bit as linear floats. `texture.srgb` says
+/// how to read it. Throws Error naming the image when it cannot be decoded or is larger than 16384 a side.
 void decodeImage(const File& file, int index, Texture& texture);
 
 /// A decoded JPEG, or why there is none.
@@ -73,13 +75,14 @@ void readMeshes(const File& file, Scene& scene);
 /// Fill nodes, instances, cameras, lights and animation of the default scene. Needs the meshes.
 void readNodes(const File& file, Scene& scene);
 
-/// Tangents for the vertices of triangles that have normals and texture coordinates but no TANGENT. `uv` are the normal map's
-/// (transformed) coordinates; all arrays are per vertex; every vertex must be used by triangles of one UV orientation only.
-/// A vertex whose triangles have no UV area gets a zero tangent.
+/// Tangents for the vertices of triangles that have normals and texture coordinates but no TANGENT. `uv` are the
+/// normal map's (transformed) coordinates; all arrays are per vertex; every vertex must be used by triangles of one
+/// UV orientation only. A vertex whose triangles have no UV area gets a zero tangent.
 void generateTangents(const std::vector<glm::uvec3>& triangles, const std::vector<glm::vec3>& positions,
                       const std::vector<glm::vec2>& uv, std::vector<VertexAttributes>& attributes);
 
-/// Whether a triangle's texture coordinates are mirrored against its winding: the sign that a shared vertex must not mix.
+/// Whether a triangle's texture coordinates are mirrored against its winding: the sign that a shared vertex must not
+/// mix.
 bool mirroredUv(const std::array<glm::vec2, 3>& uv);
 
 /// A member of an extension's JSON, nullptr where it is missing.

@@ -31,7 +31,8 @@ std::span<const uint8_t> encodedBytes(const File& file, const tinygltf::Image& i
 void checkSize(const File& file, const std::string& place, uint32_t width, uint32_t height)
 {
     if (width < 1 || height < 1 || width > LARGEST_SIDE || height > LARGEST_SIDE)
-        fail("{}: {}: is {} x {} pixels; scale it to at most {} a side", file.name(), place, width, height, LARGEST_SIDE);
+        fail("{}: {}: is {} x {} pixels; scale it to at most {} a side", file.name(), place, width, height,
+             LARGEST_SIDE);
 }
 
 void decodePngInto(const File& file, const std::string& place, std::span<const uint8_t> encoded, Texture& texture)
@@ -45,7 +46,8 @@ void decodePngInto(const File& file, const std::string& place, std::span<const u
     const auto owned = [&](auto* pixels) {
         if (!pixels)
             fail("{}: {}: is damaged ({}); save the image again", file.name(), place, stbi_failure_reason());
-        return std::unique_ptr<std::remove_pointer_t<decltype(pixels)>, decltype(&stbi_image_free)>(pixels, stbi_image_free);
+        return std::unique_ptr<std::remove_pointer_t<decltype(pixels)>, decltype(&stbi_image_free)>(pixels,
+                                                                                                    stbi_image_free);
     };
     const size_t count = size_t(width) * size_t(height) * 4;
     if (stbi_is_16_bit_from_memory(encoded.data(), length)) {

@@ -36,8 +36,8 @@ void keepWarning(j_common_ptr codec, int level)
 }
 
 /// The part between setjmp and longjmp: no object with a destructor may live here.
-bool decompress(jpeg_decompress_struct& codec, ErrorManager& manager, std::span<const uint8_t> encoded, uint32_t largestSide,
-                std::vector<uint8_t>& rgba)
+bool decompress(jpeg_decompress_struct& codec, ErrorManager& manager, std::span<const uint8_t> encoded,
+                uint32_t largestSide, std::vector<uint8_t>& rgba)
 {
     if (setjmp(manager.escape))
         return false;

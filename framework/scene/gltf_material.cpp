@@ -87,8 +87,9 @@ public:
         material.alpha = 1;
         material.alphaCutoff = 0.5f;
         material.normalScale = 1;
-        for (auto* map : {&material.baseColorMap, &material.metallicRoughnessMap, &material.normalMap, &material.emissiveMap,
-                          &material.transmissionMap, &material.specularMap, &material.specularColorMap})
+        for (auto* map :
+             {&material.baseColorMap, &material.metallicRoughnessMap, &material.normalMap, &material.emissiveMap,
+              &material.transmissionMap, &material.specularMap, &material.specularColorMap})
             *map = {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), INVALID_INDEX, 0};
         return material;
     }
@@ -143,11 +144,13 @@ private:
         if (const auto* ior = extension(source.extensions, "KHR_materials_ior"))
             material.ior = number(*ior, "ior", 1.5);
         if (material.ior == 0) {
-            warn("{}: {}: ior 0 (total reflection) is approximated by {}", file_.name(), place_, TOTALLY_REFLECTING_IOR);
+            warn("{}: {}: ior 0 (total reflection) is approximated by {}", file_.name(), place_,
+                 TOTALLY_REFLECTING_IOR);
             material.ior = TOTALLY_REFLECTING_IOR;
         }
         if (material.ior < 1)
-            fail("{}: {}: ior {} is below 1; set it to the ratio inside over outside", file_.name(), place_, material.ior);
+            fail("{}: {}: ior {} is below 1; set it to the ratio inside over outside", file_.name(), place_,
+                 material.ior);
         if (const auto* specular = extension(source.extensions, "KHR_materials_specular")) {
             material.specular = std::clamp(number(*specular, "specularFactor", 1), 0.0f, 1.0f);
             material.specularColor = glm::max(color(*specular, "specularColorFactor", glm::vec3(1)), 0.0f);
@@ -170,12 +173,14 @@ private:
             return;  // infinite
         const float distance = number(*volume, "attenuationDistance", 0);
         if (!(distance > 0))
-            fail("{}: {}: attenuationDistance {} must be above 0; leave it out for clear glass", file_.name(), place_, distance);
+            fail("{}: {}: attenuationDistance {} must be above 0; leave it out for clear glass", file_.name(), place_,
+                 distance);
         const auto through = glm::clamp(color(*volume, "attenuationColor", glm::vec3(1)), DARKEST_ATTENUATION, 1.0f);
         material.absorption = -glm::log(through) / distance;
     }
 
-    /// KHR_materials_unlit wants a constant colour, which light transport has no place for: a Lambert surface of that albedo.
+    /// KHR_materials_unlit wants a constant colour, which light transport has no place for: a Lambert surface of
+    /// that albedo.
     void makeUnlit(Material& material)
     {
         warn("{}: unlit materials are shown as diffuse surfaces of their colour", file_.name());
@@ -213,7 +218,8 @@ private:
     {
         const auto& source = file_.model.textures[size_t(index)];
         if (source.source < 0)
-            fail("{}: textures[{}]: has no PNG or JPEG image (KTX2 or WebP only?); export it with one", file_.name(), index);
+            fail("{}: textures[{}]: has no PNG or JPEG image (KTX2 or WebP only?); export it with one", file_.name(),
+                 index);
         const auto key = std::make_tuple(source.source, source.sampler, srgb);
         if (const auto found = textures_.find(key); found != textures_.end())
             return found->second;

@@ -38,8 +38,8 @@ std::vector<V> toVectors(const std::vector<float>& values, size_t stride)
 
 /// Read an optional attribute; its count must be that of the positions.
 template <typename V>
-std::vector<V> readAttribute(const File& file, const tinygltf::Primitive& primitive, const Source& source, const char* name,
-                             std::initializer_list<int> types)
+std::vector<V> readAttribute(const File& file, const tinygltf::Primitive& primitive, const Source& source,
+                             const char* name, std::initializer_list<int> types)
 {
     const auto found = primitive.attributes.find(name);
     if (found == primitive.attributes.end())
@@ -85,12 +85,13 @@ void readTriangles(const File& file, const tinygltf::Primitive& primitive, Sourc
     }
     for (size_t i = 0; i < corners.size(); ++i)
         if (corners[i] >= source.positions.size())
-            fail("{}: {}: index {} is {}, but there are {} positions; export it again", file.name(), source.place, i, corners[i],
-                 source.positions.size());
+            fail("{}: {}: index {} is {}, but there are {} positions; export it again", file.name(), source.place, i,
+                 corners[i], source.positions.size());
     source.triangles = assembleTriangles(corners, primitive.mode);
 }
 
-Source readPrimitive(const File& file, const tinygltf::Primitive& primitive, const std::string& place, uint32_t defaultMaterial)
+Source readPrimitive(const File& file, const tinygltf::Primitive& primitive, const std::string& place,
+                     uint32_t defaultMaterial)
 {
     Source source;
     source.place = place;
@@ -104,12 +105,14 @@ Source readPrimitive(const File& file, const tinygltf::Primitive& primitive, con
     source.positions = readAttribute<glm::vec3>(file, primitive, source, "POSITION", {TINYGLTF_TYPE_VEC3});
     for (size_t i = 0; i < source.positions.size(); ++i)
         if (glm::any(glm::greaterThan(glm::abs(source.positions[i]), glm::vec3(FARTHEST))))
-            fail("{}: {} POSITION: vertex {} lies beyond {} m; repair the mesh and export it again", file.name(), place, i, FARTHEST);
+            fail("{}: {} POSITION: vertex {} lies beyond {} m; repair the mesh and export it again", file.name(), place,
+                 i, FARTHEST);
     source.normals = readAttribute<glm::vec3>(file, primitive, source, "NORMAL", {TINYGLTF_TYPE_VEC3});
     source.tangents = readAttribute<glm::vec4>(file, primitive, source, "TANGENT", {TINYGLTF_TYPE_VEC4});
     source.uv[0] = readAttribute<glm::vec2>(file, primitive, source, "TEXCOORD_0", {TINYGLTF_TYPE_VEC2});
     source.uv[1] = readAttribute<glm::vec2>(file, primitive, source, "TEXCOORD_1", {TINYGLTF_TYPE_VEC2});
-    source.colors = readAttribute<glm::vec3>(file, primitive, source, "COLOR_0", {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4});
+    source.colors =
+        readAttribute<glm::vec3>(file, primitive, source, "COLOR_0", {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4});
     readTriangles(file, primitive, source);
     if (!primitive.targets.empty())
         warn("{}: morph targets are not animated; the rest shape is shown", file.name());

@@ -84,7 +84,8 @@ private:
             const auto& r = source.rotation;
             node.rotation = glm::quat(float(r[3]), float(r[0]), float(r[1]), float(r[2]));
             if (!(glm::length(node.rotation) > 0))
-                fail("{}: {}: rotation is zero; export it again", file_.name(), label("node", size_t(index), source.name));
+                fail("{}: {}: rotation is zero; export it again", file_.name(),
+                     label("node", size_t(index), source.name));
             node.rotation = glm::normalize(node.rotation);
         }
         if (!source.matrix.empty()) {
@@ -133,9 +134,10 @@ private:
                 light.intensity[c] *= std::max(float(source.color[size_t(c)]), 0.0f);
             light.innerCone = float(source.spot.innerConeAngle);
             light.outerCone = float(source.spot.outerConeAngle);
-            if (light.type == LIGHT_SPOT && !(light.innerCone >= 0 && light.innerCone < light.outerCone && light.outerCone < 1.5708f))
-                fail("{}: {}: cone angles {} and {} must satisfy 0 <= inner < outer <= pi/2; set them anew", file_.name(),
-                     label("light", index, source.name), light.innerCone, light.outerCone);
+            if (light.type == LIGHT_SPOT &&
+                !(light.innerCone >= 0 && light.innerCone < light.outerCone && light.outerCone < 1.5708f))
+                fail("{}: {}: cone angles {} and {} must satisfy 0 <= inner < outer <= pi/2; set them anew",
+                     file_.name(), label("light", index, source.name), light.innerCone, light.outerCone);
             scene_.punctualLights.push_back(light);
         }
     }
@@ -148,8 +150,8 @@ private:
             return LIGHT_SPOT;
         if (source.type == "directional")
             return LIGHT_DIRECTIONAL;
-        fail("{}: {}: type '{}' is not point, spot or directional; set it anew", file_.name(), label("light", index, source.name),
-             printable(source.type));
+        fail("{}: {}: type '{}' is not point, spot or directional; set it anew", file_.name(),
+             label("light", index, source.name), printable(source.type));
     }
 
     void addAnimation(const tinygltf::Animation& animation)
@@ -168,7 +170,8 @@ private:
             if (size_t(source.sampler) >= animation.samplers.size())
                 fail("{}: {}: channel {} has sampler {} of {}; export it again", file_.name(), place, i, source.sampler,
                      animation.samplers.size());
-            addChannel(source, animation.samplers[size_t(source.sampler)], node, fmt::format("{} channel {}", place, i));
+            addChannel(source, animation.samplers[size_t(source.sampler)], node,
+                       fmt::format("{} channel {}", place, i));
         }
     }
 
@@ -183,7 +186,8 @@ private:
         if (channel.times.empty() || !std::is_sorted(channel.times.begin(), channel.times.end()))
             fail("{}: {}: key times must ascend; export it again", file_.name(), place);
         const bool rotates = channel.path == AnimationChannel::Path::rotation;
-        const auto values = readFloats(file_, sampler.output, place + " values", {rotates ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3});
+        const auto values =
+            readFloats(file_, sampler.output, place + " values", {rotates ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3});
         const size_t components = rotates ? 4 : 3;
         const bool cubic = channel.interpolation == AnimationChannel::Interpolation::cubicSpline;
         if (values.size() / components != channel.times.size() * (cubic ? 3 : 1))
@@ -207,7 +211,8 @@ private:
             return AnimationChannel::Path::rotation;
         if (name == "scale")
             return AnimationChannel::Path::scale;
-        fail("{}: {}: path '{}' is not translation, rotation or scale; export it again", file_.name(), place, printable(name));
+        fail("{}: {}: path '{}' is not translation, rotation or scale; export it again", file_.name(), place,
+             printable(name));
     }
 
     AnimationChannel::Interpolation interpolation(const std::string& name, const std::string& place) const
@@ -218,7 +223,8 @@ private:
             return AnimationChannel::Interpolation::step;
         if (name == "CUBICSPLINE")
             return AnimationChannel::Interpolation::cubicSpline;
-        fail("{}: {}: interpolation '{}' is not LINEAR, STEP or CUBICSPLINE; export it again", file_.name(), place, printable(name));
+        fail("{}: {}: interpolation '{}' is not LINEAR, STEP or CUBICSPLINE; export it again", file_.name(), place,
+             printable(name));
     }
 
     void addInstances()

@@ -66,7 +66,8 @@ void addMaterials(std::vector<Rule>& rules)
     for (const char* slot : {"pbrMetallicRoughness.baseColorTexture", "pbrMetallicRoughness.metallicRoughnessTexture",
                              "normalTexture", "emissiveTexture"})
         addTextureInfo(rules, material + slot);
-    for (const char* slot : {"transmission.transmissionTexture", "specular.specularTexture", "specular.specularColorTexture"})
+    for (const char* slot :
+         {"transmission.transmissionTexture", "specular.specularTexture", "specular.specularColorTexture"})
         addTextureInfo(rules, extension + slot);
 }
 
@@ -216,7 +217,8 @@ private:
             return value.is_number_unsigned() && isNumber(value) ? void() : complain("an integer from 0 to 2147483647");
         case Kind::number: return isNumber(value) ? void() : complain("a number of at most 1e30");
         case Kind::vector:
-            if (!value.is_array() || value.size() != rule_->length || !std::all_of(value.begin(), value.end(), isNumber))
+            if (!value.is_array() || value.size() != rule_->length ||
+                !std::all_of(value.begin(), value.end(), isNumber))
                 complain(fmt::format("{} numbers of at most 1e30", rule_->length));
             return;
         case Kind::index:

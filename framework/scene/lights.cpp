@@ -19,7 +19,8 @@ double luminance(glm::dvec3 rgb)
     return glm::dot(rgb, glm::dvec3(0.2126, 0.7152, 0.0722));
 }
 
-/// Mean of a texture over a triangle, at the centres of the small triangles that a regular barycentric grid cuts it into.
+/// Mean of a texture over a triangle, at the centres of the small triangles that a regular barycentric grid cuts it
+/// into.
 glm::dvec3 textureMean(const Texture& texture, const std::array<glm::vec2, 3>& uv)
 {
     float longest = 0;
@@ -133,7 +134,8 @@ private:
             lights[t] = add(light, PI * sides * worldArea(scene_, mesh, triangle, pose)
                                        * luminance(meanEmission(scene_, material, mesh, triangle)));
         }
-        const bool emits = std::any_of(lights.begin(), lights.end(), [](uint32_t light) { return light != INVALID_INDEX; });
+        const bool emits =
+            std::any_of(lights.begin(), lights.end(), [](uint32_t light) { return light != INVALID_INDEX; });
         table_.lightMapOfInstance.push_back(emits ? uint32_t(table_.lightOfTriangle.size()) : INVALID_INDEX);
         if (emits)
             table_.lightOfTriangle.insert(table_.lightOfTriangle.end(), lights.begin(), lights.end());
@@ -191,17 +193,20 @@ private:
         const auto columns = buildAliasTable(weights, pmf);
         table_.environmentCells.resize(columns.size());
         for (size_t i = 0; i < columns.size(); ++i)
-            table_.environmentCells[i] = {float(double(pmf[i]) * double(columns.size())), columns[i].threshold, columns[i].alias};
+            table_.environmentCells[i] = {float(double(pmf[i]) * double(columns.size())), columns[i].threshold,
+                                          columns[i].alias};
         return integral;
     }
 
-    /// Mean over 3 x 3 texels: a bilinear lookup inside a texel reads no others, so that the pdf is positive where radiance is.
+    /// Mean over 3 x 3 texels: a bilinear lookup inside a texel reads no others, so that the pdf is positive where
+    /// radiance is.
     static double neighbourhoodMean(const std::vector<double>& texels, int width, int height, int x, int y)
     {
         double sum = 0;
         for (int dy = -1; dy <= 1; ++dy)
             for (int dx = -1; dx <= 1; ++dx)
-                sum += texels[size_t(std::clamp(y + dy, 0, height - 1)) * size_t(width) + size_t((x + dx + width) % width)];
+                sum += texels[size_t(std::clamp(y + dy, 0, height - 1)) * size_t(width) +
+                              size_t((x + dx + width) % width)];
         return sum / 9;
     }
 

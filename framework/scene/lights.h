@@ -23,13 +23,14 @@ struct LightTable {
     std::vector<uint32_t> lightOfTriangle;  ///< see Instance::lightMap
     std::vector<uint32_t> lightMapOfInstance;  ///< base into lightOfTriangle per instance, INVALID_INDEX: none
     std::vector<uint32_t> punctualLights;  ///< index into lights of each of the scene's, INVALID_INDEX: without power
-    std::vector<EnvironmentCell> environmentCells;  ///< one a texel, row by row; empty: constant or none. pdf: mean 1 over the texels
+    std::vector<EnvironmentCell> environmentCells;  ///< one a texel, row by row, pdf of mean 1; empty: constant or none
     uint32_t environmentLight = INVALID_INDEX;
 };
 
-/// Build the table. Weights are powers in watts (luminance): pi A L for a triangle (twice for a double-sided one; a textured
-/// one by its mean over the triangle), 4 pi I for a point, 2 pi (1 - cos outer) I for a spot, pi r^2 E for a directional light,
-/// pi r^2 * int L for the environment. What has no power is left out; `lights` is empty when nothing has any.
+/// Build the table. Weights are powers in watts (luminance): pi A L for a triangle (twice for a double-sided one; a
+/// textured one by its mean over the triangle), 4 pi I for a point, 2 pi (1 - cos outer) I for a spot, pi r^2 E for
+/// a directional light, pi r^2 * int L for the environment. What has no power is left out; `lights` is empty when
+/// nothing has any.
 LightTable buildLightTable(const Scene& scene, const std::vector<glm::mat4>& pose, float sceneRadius);
 
 /// Refresh the world-space fields of punctual lights after nodes moved. Probabilities stay as they are.

@@ -77,7 +77,8 @@ glm::vec4 valueAt(const AnimationChannel& channel, float time)
         return cubicSpline(channel, key, t, seconds);
     if (channel.path != AnimationChannel::Path::rotation)
         return glm::mix(keyValue(key), keyValue(key + 1), t);
-    const auto rotation = glm::slerp(glm::normalize(asQuaternion(keyValue(key))), glm::normalize(asQuaternion(keyValue(key + 1))), t);
+    const auto rotation =
+        glm::slerp(glm::normalize(asQuaternion(keyValue(key))), glm::normalize(asQuaternion(keyValue(key + 1))), t);
     return {rotation.x, rotation.y, rotation.z, rotation.w};
 }
 
@@ -93,7 +94,9 @@ glm::mat4 localMatrix(const Node& node)
 glm::vec4 Texture::sample(glm::vec2 uv) const
 {
     const double x = double(uv.x) * width, y = double(uv.y) * height;
-    const auto texel = [&](double i, double j) { return fetchTexel(*this, wrapTexel(i, width, wrapU), wrapTexel(j, height, wrapV)); };
+    const auto texel = [&](double i, double j) {
+        return fetchTexel(*this, wrapTexel(i, width, wrapU), wrapTexel(j, height, wrapV));
+    };
     if (filter == Filter::nearest)
         return texel(std::floor(x), std::floor(y));
     const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
@@ -151,7 +154,8 @@ Camera makeCamera(const CameraNode& camera, const glm::mat4& nodeToWorld, float 
     const auto right = glm::cross(upward, backward);
     const float scale = glm::length(upward) * glm::length(backward);
     if (!(glm::length(right) > 1e-6f * scale) || !std::isfinite(scale))
-        fail("camera '{}': its node's matrix is singular, so that it looks nowhere; give the node a proper rotation", camera.name);
+        fail("camera '{}': its node's matrix is singular, so that it looks nowhere; give the node a proper rotation",
+             camera.name);
     const float halfHeight = std::tan(0.5f * camera.yfov);
     Camera result;
     result.position = glm::vec3(nodeToWorld[3]);

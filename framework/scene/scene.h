@@ -29,7 +29,7 @@ struct Texture {
     Wrap wrapV = Wrap::repeat;
     Filter filter = Filter::linear;
 
-    /// Linear RGBA at (u, v), with the texture's own wrap and filter, mip 0. What the GPU's sampler returns, but for rounding.
+    /// Linear RGBA at (u, v), with the texture's own wrap and filter, mip 0: the GPU sampler's value but for rounding.
     glm::vec4 sample(glm::vec2 uv) const;
 };
 
@@ -62,7 +62,8 @@ struct AnimationChannel {
     Path path = Path::translation;
     Interpolation interpolation = Interpolation::linear;
     std::vector<float> times;  ///< seconds, ascending
-    std::vector<glm::vec4> values;  ///< one a key; cubicSpline: in-tangent, value, out-tangent a key. Rotations as x, y, z, w.
+    /// One a key; cubicSpline: in-tangent, value, out-tangent a key. Rotations as x, y, z, w.
+    std::vector<glm::vec4> values;
 };
 
 /// A perspective camera attached to a node (it looks along the node's -z).
@@ -84,7 +85,8 @@ struct PunctualLight {
 /// Light from infinitely far away.
 struct Environment {
     glm::vec3 radiance{0};  ///< constant radiance, or the factor of the texture
-    std::optional<Texture> texture;  ///< equirectangular: u = 0.5 + atan2(x, -z) / 2 pi, v = acos(y) / pi
+    /// Linear Rec.709, no negative or non-finite texels. Equirectangular: u = 0.5 + atan2(x, -z) / 2 pi, v = acos(y) / pi.
+    std::optional<Texture> texture;
     float rotation = 0;  ///< radians about +y
 };
 

@@ -28,7 +28,8 @@ bool mirroredUv(const std::array<glm::vec2, 3>& uv)
     return signedUvArea(uv) > 0;
 }
 
-/// As MikkTSpace does it: each triangle's dP/du, projected into the vertex's tangent plane and weighted by the corner's angle.
+/// As MikkTSpace does it: each triangle's dP/du, projected into the vertex's tangent plane and weighted by the
+/// corner's angle.
 void generateTangents(const std::vector<glm::uvec3>& triangles, const std::vector<glm::vec3>& positions,
                       const std::vector<glm::vec2>& uv, std::vector<VertexAttributes>& attributes)
 {
@@ -41,7 +42,8 @@ void generateTangents(const std::vector<glm::uvec3>& triangles, const std::vecto
         if (area == 0)
             continue;
         // The division by the area is left out but for its sign: only the direction counts.
-        const auto along = ((p[1] - p[0]) * (t[2].y - t[0].y) - (p[2] - p[0]) * (t[1].y - t[0].y)) * std::copysign(1.0f, area);
+        const auto along =
+            ((p[1] - p[0]) * (t[2].y - t[0].y) - (p[2] - p[0]) * (t[1].y - t[0].y)) * std::copysign(1.0f, area);
         for (int corner = 0; corner < 3; ++corner) {
             auto& vertex = attributes[triangle[corner]];
             const auto flat = along - vertex.normal * glm::dot(vertex.normal, along);

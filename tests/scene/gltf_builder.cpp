@@ -142,7 +142,8 @@ GltfBuilder squareScene()
 std::filesystem::path scratch()
 {
     struct Folder {
-        std::filesystem::path path = std::filesystem::temp_directory_path() / ("restirpg_test_scene." + std::to_string(getpid()));
+        std::filesystem::path path =
+            std::filesystem::temp_directory_path() / ("restirpg_test_scene." + std::to_string(getpid()));
         Folder() { std::filesystem::create_directories(path); }
         ~Folder()
         {
@@ -180,7 +181,8 @@ std::string errorOf(const std::function<void()>& run)
 
 void writeBytes(const std::filesystem::path& file, const std::vector<uint8_t>& bytes)
 {
-    std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+    std::ofstream(file, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
 }
 
 std::vector<uint8_t> readBytes(const std::filesystem::path& file)
@@ -222,17 +224,25 @@ GltfBuilder geometryScene()
     builder.json["extensionsRequired"] = builder.json["extensionsUsed"] = {"KHR_mesh_quantization"};
     const std::vector<int16_t> quantized = {0, 0, 0, 0, 32767, 0, 0, 0, 0, 32767, 0, 0, 32767, 32767, 0, 0};
     nlohmann::json strip = {{"mode", 5}};
-    strip["attributes"]["POSITION"] = builder.addAccessorJson(
-        {{"bufferView", builder.addView(quantized.data(), quantized.size() * 2, 8)}, {"componentType", SHORT}, {"count", 4},
-         {"type", "VEC3"}, {"normalized", true}});
+    strip["attributes"]["POSITION"] =
+        builder.addAccessorJson({{"bufferView", builder.addView(quantized.data(), quantized.size() * 2, 8)},
+                                 {"componentType", SHORT},
+                                 {"count", 4},
+                                 {"type", "VEC3"},
+                                 {"normalized", true}});
     strip["attributes"]["NORMAL"] = builder.addAccessorJson(
-        {{"bufferView", builder.addView(std::vector<int8_t>{0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0}.data(), 16, 4)},
-         {"componentType", BYTE}, {"count", 4}, {"type", "VEC3"}, {"normalized", true}});
+        {{"bufferView",
+          builder.addView(std::vector<int8_t>{0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0}.data(), 16, 4)},
+         {"componentType", BYTE},
+         {"count", 4},
+         {"type", "VEC3"},
+         {"normalized", true}});
     strip["attributes"]["COLOR_0"] =
-        builder.addAccessor(std::vector<uint8_t>{255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255}, UNSIGNED_BYTE,
-                            "VEC4", true);
+        builder.addAccessor(std::vector<uint8_t>{255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255},
+                            UNSIGNED_BYTE, "VEC4", true);
     nlohmann::json fan = {{"mode", 6}};
-    fan["attributes"]["POSITION"] = builder.addAccessor(std::vector<float>{0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1}, FLOAT, "VEC3");
+    fan["attributes"]["POSITION"] =
+        builder.addAccessor(std::vector<float>{0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1}, FLOAT, "VEC3");
     fan["indices"] = builder.addAccessor(std::vector<uint8_t>{0, 1, 2, 3}, UNSIGNED_BYTE, "SCALAR");
 
     auto sparse = addSquare(builder);
@@ -253,14 +263,19 @@ GltfBuilder texturedScene()
     std::vector<uint8_t> pixels(16 * 16 * 4);
     for (size_t i = 0; i < pixels.size(); ++i)
         pixels[i] = uint8_t(i * 37);
-    const int png = builder.addTexture(encodePng(16, 16, pixels), {{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}});
+    const int png =
+        builder.addTexture(encodePng(16, 16, pixels), {{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}});
     const int jpeg = builder.addTexture(encodeJpeg(16, 16, pixels));
     const nlohmann::json transform = {{"offset", {0.1, 0.2}}, {"scale", {2, 3}}, {"rotation", 0.5}, {"texCoord", 0}};
     const nlohmann::json moved = {{"index", png}, {"extensions", {{"KHR_texture_transform", transform}}}};
     builder.addMaterial(
         {{"name", "full"},
-         {"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.6, 0.7, 0.8}}, {"metallicFactor", 0.3}, {"roughnessFactor", 0.4},
-                                   {"baseColorTexture", moved}, {"metallicRoughnessTexture", {{"index", jpeg}}}}},
+         {"pbrMetallicRoughness",
+          {{"baseColorFactor", {0.5, 0.6, 0.7, 0.8}},
+           {"metallicFactor", 0.3},
+           {"roughnessFactor", 0.4},
+           {"baseColorTexture", moved},
+           {"metallicRoughnessTexture", {{"index", jpeg}}}}},
          {"normalTexture", {{"index", png}, {"scale", 0.5}}},
          {"emissiveTexture", {{"index", jpeg}}},
          {"emissiveFactor", {1, 0.5, 0.25}},
@@ -270,10 +285,14 @@ GltfBuilder texturedScene()
          {"extensions",
           {{"KHR_materials_emissive_strength", {{"emissiveStrength", 10}}},
            {"KHR_materials_ior", {{"ior", 1.4}}},
-           {"KHR_materials_specular", {{"specularFactor", 0.5}, {"specularColorFactor", {1, 0.9, 0.8}},
-                                       {"specularTexture", {{"index", png}}}, {"specularColorTexture", moved}}},
+           {"KHR_materials_specular",
+            {{"specularFactor", 0.5},
+             {"specularColorFactor", {1, 0.9, 0.8}},
+             {"specularTexture", {{"index", png}}},
+             {"specularColorTexture", moved}}},
            {"KHR_materials_transmission", {{"transmissionFactor", 0.5}, {"transmissionTexture", moved}}},
-           {"KHR_materials_volume", {{"thicknessFactor", 1}, {"attenuationDistance", 2}, {"attenuationColor", {0.5, 0.25, 1}}}}}}});
+           {"KHR_materials_volume",
+            {{"thicknessFactor", 1}, {"attenuationDistance", 2}, {"attenuationColor", {0.5, 0.25, 1}}}}}}});
     builder.addMaterial({{"extensions", {{"KHR_materials_unlit", nlohmann::json::object()}}}});
     auto square = addSquare(builder), unlit = square;
     square["material"] = 0;
@@ -285,21 +304,25 @@ GltfBuilder texturedScene()
 GltfBuilder animatedScene()
 {
     auto builder = squareScene();
-    builder.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}},
-                               {{"type", "orthographic"}, {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"znear", 0}, {"zfar", 9}}}}};
+    builder.json["cameras"] = {
+        {{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}},
+        {{"type", "orthographic"}, {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"znear", 0}, {"zfar", 9}}}}};
     builder.json["extensions"]["KHR_lights_punctual"]["lights"] = {
         {{"type", "point"}, {"color", {1, 0.5, 0.25}}, {"intensity", 20}},
         {{"type", "spot"}, {"intensity", 5}, {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.4}}}},
         {{"type", "directional"}, {"intensity", 3}}};
-    builder.json["asset"]["extras"]["restirpg"] = {{"environment", {0.1, 0.2, 0.3}}, {"strength", 2}, {"rotation", 90}, {"bounces", 6}};
+    builder.json["asset"]["extras"]["restirpg"] = {
+        {"environment", {0.1, 0.2, 0.3}}, {"strength", 2}, {"rotation", 90}, {"bounces", 6}};
     const auto light = [](int i) { return nlohmann::json{{"KHR_lights_punctual", {{"light", i}}}}; };
     const int spot = builder.addNode({{"extensions", light(1)}, {"rotation", {0, 1, 0, 0}}}, false);
     const int camera = builder.addNode({{"camera", 0}, {"translation", {0.5, 0.5, 4}}, {"name", "Camera"}}, false);
     builder.addNode({{"children", {spot, camera}}, {"extensions", light(0)}, {"translation", {1, 2, 3}}});
-    builder.addNode({{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1}}, {"extensions", light(2)}, {"camera", 1}});
+    builder.addNode(
+        {{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1}}, {"extensions", light(2)}, {"camera", 1}});
     const int times = builder.addAccessor(std::vector<float>{0, 1, 3}, FLOAT, "SCALAR");
     const int positions = builder.addAccessor(std::vector<float>{0, 0, 0, 1, 0, 0, 1, 2, 0}, FLOAT, "VEC3");
-    const int turns = builder.addAccessor(std::vector<float>{0, 0, 0, 1, 0, 0, 0.70710678f, 0.70710678f, 0, 0, 1, 0}, FLOAT, "VEC4");
+    const int turns =
+        builder.addAccessor(std::vector<float>{0, 0, 0, 1, 0, 0, 0.70710678f, 0.70710678f, 0, 0, 1, 0}, FLOAT, "VEC4");
     std::vector<float> spline(27, 0.0f);
     spline[3] = spline[12] = spline[21] = 1;
     spline[4] = spline[13] = spline[22] = 1;

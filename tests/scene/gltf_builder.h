@@ -30,7 +30,9 @@ public:
     {
         const size_t components = type == "SCALAR" ? 1 : size_t(type.back() - '0');
         nlohmann::json accessor = {{"bufferView", addView(values.data(), values.size() * sizeof(T))},
-                                   {"componentType", componentType}, {"count", values.size() / components}, {"type", type}};
+                                   {"componentType", componentType},
+                                   {"count", values.size() / components},
+                                   {"type", type}};
         if (normalized)
             accessor["normalized"] = true;
         return addAccessorJson(accessor);

@@ -14,7 +14,8 @@ Scene triangleWithUv(const std::vector<T>& uv, int componentType, bool normalize
 {
     GltfBuilder builder;
     json primitive;
-    primitive["attributes"]["POSITION"] = builder.addAccessor(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}, FLOAT, "VEC3");
+    primitive["attributes"]["POSITION"] =
+        builder.addAccessor(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}, FLOAT, "VEC3");
     primitive["attributes"]["TEXCOORD_0"] = builder.addAccessor(uv, componentType, "VEC2", normalized);
     builder.addNode({{"mesh", builder.addMesh(primitive)}});
     return load(builder);
@@ -84,7 +85,8 @@ TEST(Accessors, InterleavedBufferViewsAreWalkedByTheirStride)
 TEST(Accessors, SparseElementsReplaceTheirBase)
 {
     const auto scene = load(geometryScene());
-    // The square's vertex 1 was (1, 0, 0); it is the third primitive, after two triangles of the strip and two of the fan.
+    // The square's vertex 1 was (1, 0, 0); it is the third primitive, after two triangles of the strip and two of
+    // the fan.
     EXPECT_EQ(corners(scene, 4)[1], glm::vec3(3, 0, 0));
     EXPECT_EQ(corners(scene, 4)[2], glm::vec3(1, 1, 0));
 }

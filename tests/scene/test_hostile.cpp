@@ -49,15 +49,20 @@ std::string errorOfBytes(const std::vector<uint8_t>& bytes, const char* name = "
 
 TEST(Hostile, IndicesOutOfRangeAreNamed)
 {
-    expectError([](auto& b) { primitiveOf(b)["indices"] = b.addAccessor(std::vector<uint16_t>{0, 1, 4}, UNSIGNED_SHORT, "SCALAR"); },
-                {"mesh 0 'Square'", "index 2 is 4", "4 positions"});
-    expectError([](auto& b) { primitiveOf(b)["indices"] = 77; }, {"meshes[0].primitives[0].indices", "77", "accessors"});
+    expectError(
+        [](auto& b) {
+            primitiveOf(b)["indices"] = b.addAccessor(std::vector<uint16_t>{0, 1, 4}, UNSIGNED_SHORT, "SCALAR");
+        },
+        {"mesh 0 'Square'", "index 2 is 4", "4 positions"});
+    expectError([](auto& b) { primitiveOf(b)["indices"] = 77; },
+                {"meshes[0].primitives[0].indices", "77", "accessors"});
     expectError([](auto& b) { primitiveOf(b)["attributes"]["NORMAL"] = -1; }, {"primitives[0].attributes.NORMAL"});
     expectError([](auto& b) { primitiveOf(b)["material"] = 0; }, {"material", "0 elements"});
     expectError([](auto& b) { b.json["nodes"][0]["mesh"] = 3; }, {"nodes[0].mesh"});
     expectError([](auto& b) { b.json["scene"] = 1; }, {"scene: 1"});
     expectError([](auto& b) { b.json["scenes"][0]["nodes"] = {5}; }, {"scenes[0].nodes[0]"});
-    expectError([](auto& b) { b.json["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0; }, {"KHR_lights_punctual"});
+    expectError([](auto& b) { b.json["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0; },
+                {"KHR_lights_punctual"});
     expectError([](auto& b) { b.json["nodes"][0]["camera"] = 0; }, {"nodes[0].camera"});
     expectError([](auto& b) { positionsOf(b)["bufferView"] = 4294967295u; }, {"accessors[0].bufferView"});
 }
@@ -65,9 +70,12 @@ TEST(Hostile, IndicesOutOfRangeAreNamed)
 TEST(Hostile, NanAndInfiniteVerticesAreNamed)
 {
     for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e20f})
-        expectError([&](auto& b) {
-            primitiveOf(b)["attributes"]["POSITION"] = b.addAccessor(std::vector<float>{0, 0, 0, 1, bad, 0, 1, 1, 0, 0, 1, 0}, FLOAT, "VEC3");
-        }, {"mesh 0 'Square' POSITION", " 1 "});
+        expectError(
+            [&](auto& b) {
+                primitiveOf(b)["attributes"]["POSITION"] =
+                    b.addAccessor(std::vector<float>{0, 0, 0, 1, bad, 0, 1, 1, 0, 0, 1, 0}, FLOAT, "VEC3");
+            },
+            {"mesh 0 'Square' POSITION", " 1 "});
     expectError([](auto& b) {
         primitiveOf(b)["attributes"]["TEXCOORD_0"] = b.addAccessor(std::vector<float>(8, NAN), FLOAT, "VEC2");
     }, {"TEXCOORD_0", "not a finite number"});
@@ -80,7 +88,12 @@ TEST(Hostile, CountsBeyondTheBufferAreNamed)
     expectError([](auto& b) { positionsOf(b)["count"] = 4e9; }, {"accessors[0].count"});
     expectError([](auto& b) { positionsOf(b)["count"] = -1; }, {"accessors[0].count"});
     expectError([](auto& b) { positionsOf(b)["byteOffset"] = 4; }, {"POSITION"});
-    expectError([](auto& b) { positionsOf(b).erase("bufferView"); positionsOf(b)["count"] = 2000000000; }, {"no data", "POSITION"});
+    expectError(
+        [](auto& b) {
+            positionsOf(b).erase("bufferView");
+            positionsOf(b)["count"] = 2000000000;
+        },
+        {"no data", "POSITION"});
     expectError([](auto& b) { b.json["bufferViews"][0]["byteLength"] = 1000000; }, {"bufferViews[0]", "1000000"});
     expectError([](auto& b) { b.json["bufferViews"][0]["byteOffset"] = 2000000000; }, {"bufferViews[0]"});
     expectError([](auto& b) { b.json["buffers"] = {{{"byteLength", 2000000000}}}; }, {"byteLength"});
@@ -128,7 +141,12 @@ TEST(Hostile, ImagesThatDoNotDecodeAreNamed)
     auto empty = png;
     empty[19] = 0;
     expectError(textured(empty), {"image 0 'Bricks'"});
-    expectError([&](auto& b) { textured(png)(b); b.json["textures"][0].erase("source"); }, {"textures[0]", "no PNG or JPEG"});
+    expectError(
+        [&](auto& b) {
+            textured(png)(b);
+            b.json["textures"][0].erase("source");
+        },
+        {"textures[0]", "no PNG or JPEG"});
 }
 
 TEST(Hostile, ForgedJpegsAreErrorsOrDamagedPictures)
@@ -136,7 +154,8 @@ TEST(Hostile, ForgedJpegsAreErrorsOrDamagedPictures)
     const auto jpeg = encodeJpeg(16, 16, std::vector<uint8_t>(1024, 77));
     const auto loadWith = [](const std::vector<uint8_t>& image) {
         auto builder = squareScene();
-        primitiveOf(builder)["material"] = builder.addMaterial({{"normalTexture", {{"index", builder.addTexture(image)}}}});
+        primitiveOf(builder)["material"] =
+            builder.addMaterial({{"normalTexture", {{"index", builder.addTexture(image)}}}});
         return load(builder);
     };
     EXPECT_NEAR(loadWith(jpeg).textures[0].sample({0.5f, 0.5f}).x, 77.0f / 255, 0.01f);
@@ -153,19 +172,21 @@ TEST(Hostile, ForgedJpegsAreErrorsOrDamagedPictures)
     truncated.resize(truncated.size() - 20);
     EXPECT_EQ(loadWith(truncated).textures[0].width, 16u);
     const auto said = saidWarnings();
-    EXPECT_TRUE(std::any_of(said.begin(), said.end(), [](const auto& text) { return text.find("image 0: is damaged") != text.npos; }));
+    EXPECT_TRUE(std::any_of(said.begin(), said.end(),
+                            [](const auto& text) { return text.find("image 0: is damaged") != text.npos; }));
 }
 
 TEST(Hostile, BrokenDataUrisAreOneShortLine)
 {
-    for (const char* uri : {"data:application/octet-stream;base64,####", "data:application/octet-stream;base64,", "data:,abc", "",
-                            "../../../../../../etc/passwd", "/etc/passwd", "."}) {
+    for (const char* uri : {"data:application/octet-stream;base64,####", "data:application/octet-stream;base64,",
+                            "data:,abc", "", "../../../../../../etc/passwd", "/etc/passwd", "."}) {
         auto builder = squareScene();
         builder.json["buffers"] = {{{"byteLength", 4}, {"uri", uri}}};
         EXPECT_LT(errorOf([&] { loadGltf(builder.write(scratch() / "uri.gltf")); }).size(), 500u) << uri;
     }
     auto builder = squareScene();
-    builder.json["buffers"] = {{{"byteLength", 4}, {"uri", "data:application/octet-stream;base64," + std::string(100000, 'A')}}};
+    builder.json["buffers"] = {
+        {{"byteLength", 4}, {"uri", "data:application/octet-stream;base64," + std::string(100000, 'A')}}};
     EXPECT_LT(errorOf([&] { loadGltf(builder.write(scratch() / "uri.gltf")); }).size(), 500u);
 }
 
@@ -182,7 +203,8 @@ TEST(Hostile, EveryTruncationIsAnError)
 {
     const auto whole = readBytes(squareScene().write(scratch() / "whole.glb"));
     for (size_t size = 0; size < whole.size(); size += 1 + size / 50)
-        EXPECT_NE(errorOfBytes({whole.begin(), whole.begin() + long(size)}).find("damaged.glb"), std::string::npos) << size;
+        EXPECT_NE(errorOfBytes({whole.begin(), whole.begin() + long(size)}).find("damaged.glb"), std::string::npos)
+            << size;
 }
 
 TEST(Hostile, OtherThingsThanFilesAreErrors)
@@ -195,13 +217,18 @@ TEST(Hostile, OtherThingsThanFilesAreErrors)
 
 TEST(Hostile, UnsupportedRequiredExtensionsAreNamed)
 {
-    expectError([](auto& b) { b.json["extensionsRequired"] = {"EXT_meshopt_compression"}; }, {"EXT_meshopt_compression"});
+    expectError([](auto& b) { b.json["extensionsRequired"] = {"EXT_meshopt_compression"}; },
+                {"EXT_meshopt_compression"});
 }
 
 TEST(Hostile, MessagesStayOneLineWhateverTheNames)
 {
-    expectError([](auto& b) { b.json["meshes"][0]["name"] = "a\nb\tc" + std::string(1000, 'x'); primitiveOf(b)["mode"] = 9; },
-                {"a?b?c", "mode 9"});
+    expectError(
+        [](auto& b) {
+            b.json["meshes"][0]["name"] = "a\nb\tc" + std::string(1000, 'x');
+            primitiveOf(b)["mode"] = 9;
+        },
+        {"a?b?c", "mode 9"});
 }
 
 namespace {
@@ -216,7 +243,9 @@ std::vector<uint8_t> mutateBytes(std::vector<uint8_t> bytes, std::mt19937& rando
         switch (pick(4)) {
         case 0: bytes[at] ^= uint8_t(1u << pick(8)); break;
         case 1: bytes[at] = uint8_t(random()); break;
-        case 2: bytes.erase(bytes.begin() + long(at), bytes.begin() + long(std::min(bytes.size(), at + 1 + pick(16)))); break;
+        case 2:
+            bytes.erase(bytes.begin() + long(at), bytes.begin() + long(std::min(bytes.size(), at + 1 + pick(16))));
+            break;
         default:
             if (pick(4) == 0)
                 bytes.resize(at);
@@ -238,8 +267,9 @@ void collect(json& value, std::vector<json*>& places)
 void mutateJson(json& root, std::mt19937& random)
 {
     static const std::vector<json> awkward = {
-        -1, 0, 1, 2, 3, 1000000, 2147483647, 2147483648u, 4294967295u, 1e30, -1e30, 1e300, 1e-30, 0.5, nullptr, true, "", "x", "MAT4",
-        "BLEND", json::array(), json::object(), {1, 2}, {{"a", 1}}, 5120, 5121, 5123, 5125, 5126};
+        -1, 0, 1, 2, 3, 5120, 5121, 5123, 5125, 5126, 1000000, 2147483647, 2147483648u, 4294967295u,
+        1e30, -1e30, 1e300, 1e-30, 0.5, nullptr, true, "", "x", "MAT4", "BLEND",
+        {1, 2}, {{"a", 1}}, json::array(), json::object()};
     std::vector<json*> places;
     collect(root, places);
     auto& place = *places[1 + random() % (places.size() - 1)];

@@ -73,7 +73,8 @@ LightTable tableOf(const Scene& scene, float radius = 2)
 
 double sumOfPmf(const LightTable& table)
 {
-    return std::accumulate(table.lights.begin(), table.lights.end(), 0.0, [](double sum, const Light& l) { return sum + l.pmf; });
+    return std::accumulate(table.lights.begin(), table.lights.end(), 0.0,
+                           [](double sum, const Light& l) { return sum + l.pmf; });
 }
 
 /// A scene lit by an equirectangular texture of one lit texel.
@@ -171,7 +172,8 @@ TEST(LightTable, EachKindOfLightWeighsItsPowerInWatts)
     const auto table = tableOf(scene, float(radius));
     const auto luminance = [](glm::dvec3 c) { return glm::dot(c, glm::dvec3(0.2126, 0.7152, 0.0722)); };
     // A triangle of the square: area 1/2, two sides. The cubic spline scales the node by (1, 1, 1) at time 0.
-    const double triangle = PI * 0.5 * 2, point = 4 * PI * luminance({20, 10, 5}), spot = 2 * PI * (1 - std::cos(0.4)) * 5;
+    const double triangle = PI * 0.5 * 2, point = 4 * PI * luminance({20, 10, 5}),
+                 spot = 2 * PI * (1 - std::cos(0.4)) * 5;
     const double directional = disk * 3, environment = disk * 4 * PI * luminance({0.2, 0.4, 0.6});
     const double sum = 2 * triangle + point + spot + directional + environment;
     ASSERT_EQ(table.lights.size(), 6u);
@@ -252,7 +254,8 @@ TEST(LightTable, MovedNodesTakeTheirLightsAlong)
             EXPECT_LT(glm::length(table.lights[i].direction - glm::vec3(0, 0, 1)), 1e-5f);
         }
         if (before[i].type == LIGHT_SPOT) {
-            EXPECT_LT(glm::length(table.lights[i].direction - glm::vec3(0, 0, -1)), 1e-5f) << "it looked along +z before";
+            EXPECT_LT(glm::length(table.lights[i].direction - glm::vec3(0, 0, -1)), 1e-5f)
+                << "it looked along +z before";
         }
     }
 }

@@ -40,7 +40,8 @@ bool wasWarned(const std::string& part)
 
 void expectNear(glm::vec3 a, glm::vec3 b, float tolerance = 1e-6f)
 {
-    EXPECT_LT(glm::length(a - b), tolerance) << a.x << " " << a.y << " " << a.z << " not " << b.x << " " << b.y << " " << b.z;
+    EXPECT_LT(glm::length(a - b), tolerance)
+        << a.x << " " << a.y << " " << a.z << " not " << b.x << " " << b.y << " " << b.z;
 }
 
 /// Mean Fresnel reflectance under diffuse light from outside [Walsh 1926, as quoted by Duntley 1942].
@@ -132,10 +133,12 @@ TEST(Materials, UnlitBecomesLambertOfItsColour)
 
 TEST(Materials, BlendIsMaskAtOneHalf)
 {
-    const auto absent = materialOf({{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.4}}}}});
+    const auto absent =
+        materialOf({{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.4}}}}});
     EXPECT_EQ(absent.flags, MATERIAL_ALPHA_MASK);
     EXPECT_EQ(absent.alphaCutoff, 0.5f);
-    const auto opaque = materialOf({{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.6}}}}});
+    const auto opaque =
+        materialOf({{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.6}}}}});
     EXPECT_EQ(opaque.flags, 0u);
     EXPECT_TRUE(wasWarned("BLEND"));
 }
@@ -149,9 +152,12 @@ TEST(Materials, VolumeWithoutThicknessIsThin)
 
 TEST(Materials, NonsenseIsOneError)
 {
-    EXPECT_NE(errorOf(withMaterial(extensionOf("KHR_materials_ior", {{"ior", 0.5}}))).find("material 0: ior"), std::string::npos);
-    EXPECT_NE(errorOf(withMaterial(extensionOf("KHR_materials_volume", {{"thicknessFactor", 1}, {"attenuationDistance", 0}})))
-                  .find("attenuationDistance"), std::string::npos);
+    EXPECT_NE(errorOf(withMaterial(extensionOf("KHR_materials_ior", {{"ior", 0.5}}))).find("material 0: ior"),
+              std::string::npos);
+    EXPECT_NE(
+        errorOf(withMaterial(extensionOf("KHR_materials_volume", {{"thicknessFactor", 1}, {"attenuationDistance", 0}})))
+            .find("attenuationDistance"),
+        std::string::npos);
     EXPECT_NE(errorOf(withMaterial({{"pbrMetallicRoughness", {{"baseColorFactor", {1, 1}}}}})).find("baseColorFactor"),
               std::string::npos);
 }
@@ -203,7 +209,9 @@ TEST(Textures, SrgbIsDecodedBeforeFilteringAndAlphaNever)
 
 TEST(Textures, WrapModesContinueTheImageAsNamed)
 {
-    const auto at = [](int wrap, float u) { return twoTexels({{"wrapS", wrap}, {"magFilter", 9728}}).sample({u, 0.5f}).x; };
+    const auto at = [](int wrap, float u) {
+        return twoTexels({{"wrapS", wrap}, {"magFilter", 9728}}).sample({u, 0.5f}).x;
+    };
     constexpr int REPEAT = 10497, CLAMP = 33071, MIRROR = 33648;
     EXPECT_EQ(at(REPEAT, 1.25f), 0);
     EXPECT_FLOAT_EQ(at(REPEAT, -0.25f), GREY);
@@ -219,7 +227,8 @@ TEST(Textures, WrapModesContinueTheImageAsNamed)
 TEST(Textures, SixteenBitImagesKeepTheirPrecision)
 {
     // 1 x 1, RGB16: 65535, 32768, 1.
-    const std::string png = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABEAIAAADA54+dAAAAD0lEQVR42mP4/7+BgYERAAz9AoA1Gq+qAAAAAElFTkSuQmCC";
+    const std::string png = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABEAIAAADA54+dAAAAD0lEQVR42mP4/"
+                            "7+BgYERAAz9AoA1Gq+qAAAAAElFTkSuQmCC";
     auto builder = squareScene();
     builder.json["images"] = {{{"uri", png}}};
     builder.json["textures"] = {{{"source", 0}}};

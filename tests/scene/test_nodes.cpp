@@ -16,7 +16,8 @@ namespace {
 
 void expectNear(glm::vec3 a, glm::vec3 b, float tolerance = 1e-5f)
 {
-    EXPECT_LT(glm::length(a - b), tolerance) << a.x << " " << a.y << " " << a.z << " not " << b.x << " " << b.y << " " << b.z;
+    EXPECT_LT(glm::length(a - b), tolerance)
+        << a.x << " " << a.y << " " << a.z << " not " << b.x << " " << b.y << " " << b.z;
 }
 
 glm::vec3 transform(const glm::mat4& matrix, glm::vec3 point)
@@ -129,12 +130,14 @@ TEST(Animation, StepLinearAndCubicFollowTheSpecification)
 TEST(Animation, CubicTangentsAreScaledByTheInterval)
 {
     auto builder = animatedScene();
-    // One key pair 2 s apart, value 0 throughout, out-tangent of the first 3 m/s: Hermite gives 2 * (t^3 - 2 t^2 + t) * 3.
+    // One key pair 2 s apart, value 0 throughout, out-tangent of the first 3 m/s: Hermite gives 2 * (t^3 - 2 t^2 +
+    // t) * 3.
     const int times = builder.addAccessor(std::vector<float>{0, 2}, FLOAT, "SCALAR");
     std::vector<float> values(18, 0.0f);
     values[6] = 3;
     const int output = builder.addAccessor(values, FLOAT, "VEC3");
-    builder.json["animations"][0]["samplers"] = {{{"input", times}, {"output", output}, {"interpolation", "CUBICSPLINE"}}};
+    builder.json["animations"][0]["samplers"] = {
+        {{"input", times}, {"output", output}, {"interpolation", "CUBICSPLINE"}}};
     builder.json["animations"][0]["channels"] = {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}};
     expectNear(transform(poseOf(load(builder), 0, 1), {0, 0, 0}), {2 * 3 * 0.125f, 0, 0});
 }
@@ -143,10 +146,12 @@ TEST(Animation, RotationTakesTheShorterWay)
 {
     auto builder = animatedScene();
     const int times = builder.addAccessor(std::vector<float>{0, 1}, FLOAT, "SCALAR");
-    const int turns = builder.addAccessor(std::vector<float>{0, 0, 0, 1, 0, 0, -std::sqrt(0.5f), -std::sqrt(0.5f)}, FLOAT, "VEC4");
+    const int turns =
+        builder.addAccessor(std::vector<float>{0, 0, 0, 1, 0, 0, -std::sqrt(0.5f), -std::sqrt(0.5f)}, FLOAT, "VEC4");
     builder.json["animations"][0]["samplers"] = {{{"input", times}, {"output", turns}}};
     builder.json["animations"][0]["channels"] = {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "rotation"}}}}};
-    expectNear(glm::mat3(poseOf(load(builder), 0, 0.5f)) * glm::vec3(1, 0, 0), glm::vec3(std::sqrt(0.5f), std::sqrt(0.5f), 0));
+    expectNear(glm::mat3(poseOf(load(builder), 0, 0.5f)) * glm::vec3(1, 0, 0),
+               glm::vec3(std::sqrt(0.5f), std::sqrt(0.5f), 0));
 }
 
 TEST(Animation, DamagedKeysAreErrors)
@@ -162,7 +167,8 @@ TEST(Animation, DamagedKeysAreErrors)
     EXPECT_NE(broken("/channels/0/target/path", "colour").find("colour"), std::string::npos);
     EXPECT_NE(broken("/samplers/2/interpolation", "LINEAR").find("9 values for 3 keys"), std::string::npos);
     auto builder = animatedScene();
-    builder.json["animations"][0]["samplers"][0]["input"] = builder.addAccessor(std::vector<float>{0, 2, 1}, FLOAT, "SCALAR");
+    builder.json["animations"][0]["samplers"][0]["input"] =
+        builder.addAccessor(std::vector<float>{0, 2, 1}, FLOAT, "SCALAR");
     EXPECT_NE(errorOf(builder).find("ascend"), std::string::npos);
 }
 

@@ -40,7 +40,8 @@ protected:
         shared_ = sharedFolder();
         if (!shared_.empty())
             return;
-        std::cerr << "SKIPPED: the sample scenes are missing; set RESTIRPG_SHARED to the folder that holds gltf-samples/ and scenes/\n";
+        std::cerr << "SKIPPED: the sample scenes are missing; set RESTIRPG_SHARED to the folder that holds "
+                     "gltf-samples/ and scenes/\n";
         GTEST_SKIP() << "no sample scenes";
     }
 
