@@ -29,7 +29,7 @@ BsdfSample draw(Bsdf b, RandomKey key, uint index)
     if (test.error == ERROR_ALPHA)
         b.alpha *= 1.05;
     if (test.error == ERROR_LOBE)
-        u.z *= 0.98;
+        u.z *= 0.9;
     return test.lobe == LOBE_ALL ? bsdf_sample(b, test.wo, u.z, u.xy) : bsdf_sample_lobe(b, test.wo, test.lobe, u.xy);
 }
 

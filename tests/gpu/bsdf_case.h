@@ -24,7 +24,7 @@ TEST_CONST DRAWS_A_THREAD = 16u;  ///< of a sampling kernel
 TEST_CONST ERROR_NONE = 0u;
 TEST_CONST ERROR_ALPHA = 1u;  ///< the sampler's alpha is 5% too large
 TEST_CONST ERROR_BEND = 2u;  ///< the random numbers' density rises by 10% across the unit interval
-TEST_CONST ERROR_LOBE = 3u;  ///< the random number that selects the lobe is 2% too small
+TEST_CONST ERROR_LOBE = 3u;  ///< the random number that selects the lobe is 10% too small
 TEST_CONST ERROR_PDF = 4u;  ///< the pdf is 2% too large
 TEST_CONST ERROR_SWAP = 5u;  ///< the roughness changes by 1% when the directions are exchanged
 

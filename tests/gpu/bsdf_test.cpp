@@ -1,8 +1,8 @@
-// What the BSDF is: against the textbook in double precision, reciprocity, energy, classes of lobes.
+// What the BSDF is: against the textbook in double precision, classes of lobes, reciprocity.
 #include "bsdf_cases.h"
 #include "gpu_test.h"
-#include "../support/statistics.h"
 
+#include <bit>
 #include <cmath>
 #include <random>
 
@@ -245,101 +245,6 @@ TEST(Bsdf, ARoughnessThatDiffersByOnePercentBreaksReciprocity)
 {
     for (const char* name : {"rough plastic", "gold", "frosted glass", "tinted thin sheet"})
         EXPECT_GT(reciprocityError(material(name), ERROR_SWAP), 1e-2) << name;
-}
-
-// ---- Energy ----
-
-struct Albedo {
-    dvec3 mean;
-    dvec3 standardError;
-};
-
-Albedo albedo(BsdfCase test, uint32_t threads = 1u << 16)
-{
-    const Buffer results = device().createBuffer(threads * sizeof(FurnaceSums), "sums");
-    test.results = results.address();
-    test.seed = 77;
-    run("bsdf_furnace", test, threads);
-    dvec3 sum(0), square(0);
-    for (const FurnaceSums& thread : device().download<FurnaceSums>(results, threads)) {
-        sum += dvec3(thread.weight);
-        square += dvec3(thread.square);
-    }
-    const double draws = double(threads) * DRAWS_A_THREAD;
-    const dvec3 mean = sum / draws;
-    return {mean, glm::sqrt(glm::max(square / draws - mean * mean, dvec3(0)) / draws)};
-}
-
-TEST(Bsdf, ReflectsNoMoreThanItReceives)
-{
-    for (const NamedMaterial& entry : materials())
-        for (const glm::vec3& wo : directions()) {
-            BsdfCase test = entry.material;
-            test.wo = wo;
-            test.lobe = LOBE_ALL;
-            const Albedo result = albedo(test);
-            for (int channel = 0; channel < 3; ++channel)
-                EXPECT_LT(result.mean[channel], 1 + 3 * result.standardError[channel] + 1e-5) << entry.name << ", cosine " << wo.z;
-        }
-}
-
-TEST(Bsdf, WhiteSurfacesWithoutRoughnessReflectEverything)
-{
-    BsdfCase lambert = material("lambert");
-    lambert.baseColor = glm::vec3(1);
-    for (BsdfCase test : {lambert, material("smooth plastic"), material("smooth glass"), material("smooth glass from inside"),
-                          material("smooth thin sheet")})
-        for (const glm::vec3& wo : directions()) {
-            test.wo = wo;
-            test.lobe = LOBE_ALL;
-            const Albedo result = albedo(test);
-            EXPECT_NEAR(result.mean.x, 1, 3.5 * result.standardError.x + 2e-5) << "cosine " << wo.z;
-        }
-}
-
-TEST(Bsdf, EnergyOfWhitePaintUnderARoughCoatIsKept)
-{
-    // What may go: the coat's own single-scattering loss and the fit of coat_cosine, at most 12% (at grazing, or at ior 2). What may
-    // come: 0.005, the fit's other side.
-    for (float roughness : {0.05f, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f, 1.0f})
-        for (float ior : {1.2f, 1.5f, 2.0f})
-            for (const glm::vec3& wo : directions()) {
-                BsdfCase test = material("rough plastic");
-                test.baseColor = glm::vec3(1);
-                test.roughness = roughness;
-                test.ior = ior;
-                test.coatAverage = float(coatAverage(ior));
-                test.wo = wo;
-                test.lobe = LOBE_ALL;
-                const Albedo result = albedo(test, 1u << 14);
-                const double noise = 3.5 * result.standardError.x;
-                EXPECT_LT(result.mean.x, 1.005 + noise) << "roughness " << roughness << ", ior " << ior << ", cosine " << wo.z;
-                EXPECT_GT(result.mean.x, 0.88 - noise) << "roughness " << roughness << ", ior " << ior << ", cosine " << wo.z;
-            }
-}
-
-/// Prints the table of benchmarks/results/ggx_energy_loss.md.
-TEST(Bsdf, SingleScatteringLosesWhatTheClosedFormSays)
-{
-    std::printf("| surface | roughness | cos 1 | 0.8 | 0.5 | 0.15 | 0.01 |\n| --- | --- | --- | --- | --- | --- | --- |\n");
-    for (const char* name : {"roughest metal", "frosted glass", "frosted glass from inside", "rough plastic"}) {
-        for (float roughness : {0.1f, 0.2f, 0.4f, 0.6f, 0.8f, 1.0f}) {
-            BsdfCase test = material(name);
-            test.baseColor = glm::vec3(1);
-            test.roughness = roughness;
-            test.lobe = LOBE_ALL;
-            std::printf("| white %s | %.1f |", name, roughness);
-            for (const glm::vec3& wo : directions()) {
-                test.wo = wo;
-                const Albedo result = albedo(test);
-                std::printf(" %.3f |", result.mean.x);
-                // At normal incidence a white metal of alpha 1 reflects 1 - ln 2 in closed form.
-                if (std::string(name) == "roughest metal" && roughness == 1 && wo.z == 1)
-                    EXPECT_NEAR(result.mean.x, 1 - std::log(2.0), 4 * result.standardError.x);
-            }
-            std::printf("\n");
-        }
-    }
 }
 
 }  // namespace
