@@ -4,12 +4,13 @@
 
 namespace restirpg {
 
-Kernel::Kernel(Device& device, const std::filesystem::path& file, const Defines& defines) : device_(&device)
+Kernel::Kernel(Device& device, const std::filesystem::path& file, const Defines& defines, const Includes& includes)
+    : device_(&device)
 {
     Defines all = device.kernelDefines();
     for (const auto& [name, value] : defines)
         all[name] = value;
-    const auto spirv = compileShader(file, all);
+    const auto spirv = compileShader(file, all, includes);
     groupSize_ = localSize(spirv);
 
     VkShaderModuleCreateInfo moduleInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};

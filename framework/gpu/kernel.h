@@ -11,7 +11,7 @@ class Kernel {
 public:
     Kernel() = default;
     /// `defines` are joined by the device's own (Device::setKernelDefine). Throws Error with the compiler's messages.
-    Kernel(Device& device, const std::filesystem::path& file, const Defines& defines = {});
+    Kernel(Device& device, const std::filesystem::path& file, const Defines& defines = {}, const Includes& includes = {});
     Kernel(Kernel&& other) noexcept { swap(other); }
     Kernel& operator=(Kernel&& other) noexcept
     {

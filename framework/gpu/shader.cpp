@@ -32,13 +32,18 @@ std::string readText(const fs::path& file)
     return text.str();
 }
 
-/// Resolves #include beside the including file, then in the shader library.
+/// Resolves #include by the given names, beside the including file, then in the shader library.
 class Includer final : public glslang::TShader::Includer {
 public:
+    explicit Includer(const Includes& includes) : includes_(includes) {}
+
     IncludeResult* includeLocal(const char* name, const char* from, size_t) override
     {
+        const auto given = includes_.find(name);
+        const fs::path library = shaderFolder();
         // The library also by its folder, as C++ names it: a pass's Shared.h includes "shaders/frame_types.h".
-        for (const fs::path& candidate : {fs::path(from).parent_path() / name, shaderFolder() / name, shaderFolder().parent_path() / name})
+        for (const fs::path& candidate : {given == includes_.end() ? fs::path() : given->second,
+                                          fs::path(from).parent_path() / name, library / name, library.parent_path() / name})
             if (fs::is_regular_file(candidate)) {
                 auto text = std::make_unique<std::string>(readText(candidate));
                 const auto* contents = text.get();
@@ -61,6 +66,9 @@ public:
         delete static_cast<std::string*>(result->userData);
         delete result;
     }
+
+private:
+    const Includes& includes_;
 };
 
 /// FNV-1a, 64 bits: the cache key.
@@ -104,7 +112,7 @@ void writeCached(const fs::path& file, const std::vector<uint32_t>& words)
 
 }  // namespace
 
-std::vector<uint32_t> compileShader(const fs::path& file, const Defines& defines)
+std::vector<uint32_t> compileShader(const fs::path& file, const Defines& defines, const Includes& includes)
 {
     static std::once_flag initialized;
     std::call_once(initialized, [] { glslang::InitializeProcess(); });
@@ -118,7 +126,7 @@ std::vector<uint32_t> compileShader(const fs::path& file, const Defines& defines
     for (const auto& [key, value] : defines)
         preamble += fmt::format("#define {} {}\n", key, value);
     const auto messages = EShMessages(EShMsgSpvRules | EShMsgVulkanRules);
-    Includer includer;
+    Includer includer(includes);
 
     std::string preprocessed;
     glslang::TShader preprocessor(EShLangCompute);

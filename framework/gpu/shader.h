@@ -12,10 +12,14 @@ namespace restirpg {
 /// Preprocessor definitions of a kernel: name to value.
 using Defines = std::map<std::string, std::string>;
 
-/// Compile a compute shader. `#include "x"` looks beside the including file, in shaderFolder() and in its parent. Errors are one Error
+/// Names that #include finds elsewhere: "guide_module.glsl" to the file a graph chose.
+using Includes = std::map<std::string, std::filesystem::path>;
+
+/// Compile a compute shader. `#include "x"` looks in `includes`, beside the including file, in shaderFolder() and in its parent. Errors are one Error
 /// holding glslang's messages (FILE:LINE: ...). The result is kept in cacheFolder()/spirv under the hash of the preprocessed
 /// text, so an edit of any included file is seen.
-std::vector<uint32_t> compileShader(const std::filesystem::path& file, const Defines& defines = {});
+std::vector<uint32_t> compileShader(const std::filesystem::path& file, const Defines& defines = {},
+                                    const Includes& includes = {});
 
 /// Local size of a compute shader, from its LocalSize execution mode.
 struct LocalSize {

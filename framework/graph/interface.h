@@ -19,7 +19,8 @@ struct PortType {
     std::string name;  ///< "Image3", "Surface", ...
     uint32_t channels = 0;  ///< > 0: a float image (H, W, channels), readable as a NumPy array and writable as an EXR layer
     uint32_t bytesPerPixel = 0;
-    std::function<uint64_t()> fixedBytes;  ///< when set, bytes of the whole resource, whatever the image size (read after knobs are set)
+    std::function<uint64_t()> fixedBytes = {};  ///< when set, bytes of the whole resource, whatever the image size (read after knobs are set)
+    std::string module = {};  ///< GLSL that comes with the resource (how to read a guide): the reader compiles it in, see In::module
 
     uint64_t bytes(uint32_t width, uint32_t height) const
     {
@@ -46,10 +47,19 @@ inline PortType fixedSize(const std::string& name, std::function<uint64_t()> byt
     return {name, 0, 0, std::move(bytes)};
 }
 
+/// A guide: `layout` tells its size, `module` is the GLSL file that gives it a meaning (see shaders/guide.glsl).
+inline PortType guide(PortType layout, std::string module)
+{
+    layout.name = "Guide";
+    layout.module = std::move(module);
+    return layout;
+}
+
 /// The member variable behind a port. The executor points it at this frame's buffer before Pass::record.
 template <typename Resource>
 struct In {
     const Resource* resource = nullptr;  ///< null: the port is not wired
+    std::string module;  ///< PortType::module of the output wired to it; set before Pass::build
     bool empty = false;  ///< a delayed input without history (first frame, after a resize or a cut): its buffer is zeroed
     explicit operator bool() const { return resource != nullptr; }
     const Resource* operator->() const { return resource; }

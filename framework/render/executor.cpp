@@ -17,6 +17,9 @@ Executor::Executor(Device& device, std::unique_ptr<Graph> graph, uint32_t width,
     info.queryType = VK_QUERY_TYPE_TIMESTAMP;
     info.queryCount = uint32_t(2 * graph_->order().size());
     check(vkCreateQueryPool(device_.handle(), &info, nullptr, &queries_), "vkCreateQueryPool");
+    for (const auto& edge : graph_->edges())
+        graph_->passes()[edge.target].interface.inputs()[edge.input].target->module =
+            graph_->passes()[edge.source].interface.outputs()[edge.output].type.module;
     for (uint32_t pass : graph_->order())
         graph_->passes()[pass].pass->build(device_);
 }

@@ -83,7 +83,7 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(ErrorMeasureParameters, frame, image, reference, lanes, total, map, errors),
     LAYOUT(GBufferParameters, frame, surface, emission, normal, geometricNormal, albedo, depth, motion, material,
            jitter),
-    LAYOUT(PathTracerParameters, frame, surface, radiance, bounces, nextEventEstimation, direct),
+    LAYOUT(PathTracerParameters, frame, surface, radiance, guide, bounces, nextEventEstimation, direct, alpha),
 };
 
 /// A kernel that reads an array of each struct through a device address.

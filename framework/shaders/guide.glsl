@@ -1,0 +1,50 @@
+// A guide is a plug: what PathTracerGuided knows of one. The pass that makes a guide names the GLSL file that gives the buffer a
+// meaning (PortType::module, interface.h); a kernel that reads the port is compiled with GUIDED = 1 and that file as
+// guide_module.glsl. The module defines
+//
+//   struct Guide { ... };                                                  one place's distribution, in registers
+//   bool guide_lookup(Address guide, GuideQuery query, out Guide g);       false: no guidance here
+//   vec3 guide_sample(Guide g, vec3 u);                                    a unit direction in world space, from three numbers
+//   float guide_pdf(Guide g, vec3 w);                                      its density, 1/sr, over the whole sphere
+//
+// as pure functions: a lookup must give the same answer wherever it is repeated in a frame.
+#ifndef RESTIRPG_GUIDE_GLSL
+#define RESTIRPG_GUIDE_GLSL
+
+#include "surface.glsl"
+
+/// Where guidance is asked for.
+struct GuideQuery {
+    vec3 position;
+    vec3 normal;  ///< geometric, on wo's side
+    vec3 wo;  ///< world space
+    uint material;
+    uvec2 pixel;
+    uint bounce;  ///< 1: the primary hit
+};
+
+#if GUIDED
+#include "guide_module.glsl"
+#else
+struct Guide {
+    float unused;
+};
+
+bool guide_lookup(Address guide, GuideQuery query, out Guide g)
+{
+    g = Guide(0.0);
+    return false;
+}
+
+vec3 guide_sample(Guide g, vec3 u)
+{
+    return vec3(0.0, 0.0, 1.0);
+}
+
+float guide_pdf(Guide g, vec3 w)
+{
+    return 0.0;
+}
+#endif
+
+#endif

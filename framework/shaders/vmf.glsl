@@ -1,0 +1,43 @@
+// The von Mises-Fisher distribution on the sphere (ALGORITHMS 2), stable from kappa = 0 to 32000 in single precision.
+#ifndef RESTIRPG_VMF_GLSL
+#define RESTIRPG_VMF_GLSL
+
+#include "sampling.glsl"
+
+/// 1 - exp(-x) without cancellation for small x >= 0.
+float one_minus_exp(float x)
+{
+    return x < 0.2 ? x * (1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0)))) : 1.0 - exp(-x);
+}
+
+/// log(1 + z) without cancellation near 0, z > -1.
+float log_one_plus(float z)
+{
+    return abs(z) < 0.1 ? z * (1.0 - z * (1.0 / 2.0 - z * (1.0 / 3.0 - z * (1.0 / 4.0 - z * (1.0 / 5.0 - z / 6.0))))) : log(1.0 + z);
+}
+
+/// Density of w about the unit axis mu, 1/sr: kappa / (2 pi (1 - e^{-2 kappa})) e^{kappa (mu.w - 1)}. kappa = 0: uniform.
+float vmf_pdf(vec3 w, vec3 mu, float kappa)
+{
+    if (kappa == 0.0)
+        return 0.25 * INV_PI;
+    // |w - mu|^2 / 2 = 1 - mu.w, with all of its digits for narrow lobes.
+    vec3 d = w - mu;
+    float normalization = kappa < 0.1 ? (1.0 + kappa + kappa * kappa / 3.0) * 0.25 * INV_PI
+                                      : kappa * 0.5 * INV_PI / one_minus_exp(2.0 * kappa);
+    return normalization * exp(-0.5 * kappa * dot(d, d));
+}
+
+/// A direction with density vmf_pdf.
+vec3 sample_vmf(vec3 mu, float kappa, vec2 u)
+{
+    if (kappa == 0.0)
+        return sample_sphere(u);
+    // t = 1 - cos.
+    float t = clamp(-log_one_plus(-u.x * one_minus_exp(2.0 * kappa)) / kappa, 0.0, 2.0);
+    float sine = sqrt(t * (2.0 - t));
+    float phi = 2.0 * PI * u.y;
+    return to_world(make_frame(mu), vec3(sine * cos(phi), sine * sin(phi), 1.0 - t));
+}
+
+#endif

@@ -1,0 +1,2 @@
+#define DENSITY_FACTOR 0.9
+#include "guide.glsl"
