@@ -1,0 +1,123 @@
+// Points of lights as ReSTIR DI resamples them. Each lives in its light's own measure (see LightPoint): a point that is handed to
+// another pixel, or moves with its light, keeps that measure, so no shift has a Jacobian.
+#ifndef RESTIRPG_LIGHT_RESERVOIR_GLSL
+#define RESTIRPG_LIGHT_RESERVOIR_GLSL
+
+#include "light_reservoir_types.h"
+#include "lights.glsl"
+#include "trace.glsl"
+#include "transmittance.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer LightReservoirArray { LightReservoir at[]; };
+
+/// Density of a uniform point over the unit triangle of barycentrics, whose area is 1/2.
+const float BARYCENTRIC_PDF = 2.0;
+
+/// A light point as seen from a surface point x.
+struct LightEdge {
+    vec3 wi;  ///< unit, from x to the light
+    float distance;  ///< m; INFINITE_DISTANCE: directional light or environment
+    vec3 position;  ///< of the light point; not set where distance is infinite
+    vec3 normal;  ///< geometric, on x's side
+    vec3 radiance;  ///< W/sr/m^2; of a punctual light: irradiance on a surface facing it, W/m^2
+    float jacobian;  ///< d(solid angle at x) / d(the point's own measure); 0: the edge carries nothing
+    float light_pdf;  ///< density of sample_light_point in the point's own measure
+    bool delta;  ///< punctual: scattering can never find it
+};
+
+/// Octahedral map of the unit sphere onto [-1, 1]^2. Meyer et al. 2010, "On Floating-Point Normal Vectors".
+vec2 encode_octahedral(vec3 w)
+{
+    vec2 p = w.xy / (abs(w.x) + abs(w.y) + abs(w.z));
+    vec2 side = vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
+    return w.z >= 0.0 ? p : (1.0 - abs(p.yx)) * side;
+}
+
+vec3 decode_octahedral(vec2 p)
+{
+    vec3 w = vec3(p, 1.0 - abs(p.x) - abs(p.y));
+    vec2 side = vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
+    if (w.z < 0.0)
+        w.xy = (1.0 - abs(w.yx)) * side;
+    return normalize(w);
+}
+
+LightPoint point_on_triangle(uint instance, uint triangle, vec2 barycentrics)
+{
+    return LightPoint(instance, triangle, barycentrics);
+}
+
+LightPoint point_in_environment(vec3 wi)
+{
+    return LightPoint(INVALID_INDEX, SCENE.environmentLight, encode_octahedral(wi));
+}
+
+/// A light chosen by power and a point of it; false when the scene has no light. u: xy select, zw place.
+bool sample_light_point(vec4 u, out LightPoint point)
+{
+    uint index = select_light(u.xy);
+    if (index == INVALID_INDEX)
+        return false;
+    Light light = LightArray(SCENE.lights).at[index];
+    if (light.type == LIGHT_TRIANGLE)
+        point = point_on_triangle(light.instance, light.triangle, sample_triangle(u.zw));
+    else if (light.type == LIGHT_ENVIRONMENT)
+        // A texel and a place in it need four fresh numbers: those of u, hashed.
+        point = point_in_environment(sample_environment(unit_floats(pcg4d(floatBitsToUint(u)))));
+    else
+        point = LightPoint(INVALID_INDEX, index, vec2(0.0));
+    return true;
+}
+
+LightEdge edge_to_triangle(LightPoint point, vec3 x, bool previous)
+{
+    Instance placed = InstanceArray(SCENE.instances).at[point.instance];
+    WorldTriangle t = place_triangle(placed, point.index, previous ? placed.previousObjectToWorld : placed.objectToWorld);
+    LightEdge e;
+    e.position = t.p0 + point.place.x * t.edge1 + point.place.y * t.edge2;
+    vec3 d = e.position - x;
+    float distance2 = dot(d, d);
+    e.distance = sqrt(distance2);
+    e.wi = d / max(e.distance, 1e-30);
+    float facing = dot(t.cross_product, e.wi);
+    e.normal = normalize(facing < 0.0 ? t.cross_product : -t.cross_product);
+    e.radiance = triangle_emission(point.instance, point.index, point.place, facing < 0.0);
+    // d(omega) = |cos| dA / d^2 and dA = |cross_product| d(barycentrics).
+    e.jacobian = distance2 > 0.0 ? abs(facing) / distance2 : 0.0;
+    e.light_pdf = triangle_light_pmf(point.instance, point.index) * BARYCENTRIC_PDF;
+    e.delta = false;
+    return e;
+}
+
+/// The light point seen from x. With `previous`, triangles stand where they stood in the frame before; x is the caller's.
+LightEdge edge_to_light(LightPoint point, vec3 x, bool previous)
+{
+    if (point.instance != INVALID_INDEX)
+        return edge_to_triangle(point, x, previous);
+    Light light = LightArray(SCENE.lights).at[point.index];
+    LightSample s = light.type == LIGHT_ENVIRONMENT ? connect_environment(decode_octahedral(point.place))
+                                                    : connect_punctual_light(point.index, light, x);
+    // A texel of the environment that sampling never takes can still be found by scattering; a light at x itself cannot.
+    float jacobian = s.delta && s.pdf <= 0.0 ? 0.0 : 1.0;
+    return LightEdge(s.wi, s.distance, s.position, s.normal, s.radiance, jacobian, s.pdf, s.delta);
+}
+
+/// Light that the edge sends to the camera by way of p's rough lobes, per unit of the point's measure; visibility not tested.
+vec3 direct_contribution(ShadingPoint p, LightEdge e)
+{
+    vec3 wi = to_local(p.local_frame, e.wi);
+    if (e.radiance == vec3(0.0) || e.jacobian <= 0.0 || !is_consistent(p, wi, e.wi))
+        return vec3(0.0);
+    vec3 f = bsdf_eval(p.bsdf, p.wo, wi, LOBE_ALL);
+    return f * abs(wi.z) * e.radiance * e.jacobian * transmittance_leaving(p, e.wi, e.distance);
+}
+
+/// Does nothing stand between p and the light point?
+bool is_lit(ShadingPoint p, LightEdge e)
+{
+    vec3 side = dot(p.normal, e.wi) > 0.0 ? p.normal : -p.normal;
+    return e.distance < INFINITE_DISTANCE ? visible(p.position, side, e.position, e.normal)
+                                          : !trace_any(offset_origin(p.position, side), e.wi, RAY_INFINITY);
+}
+
+#endif
