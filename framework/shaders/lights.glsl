@@ -28,9 +28,9 @@ struct WorldTriangle {
     vec3 cross_product;
 };
 
-WorldTriangle world_triangle(uint instance, uint triangle)
+/// The triangle of a placed mesh in the given pose: that of this frame, or the previous one.
+WorldTriangle place_triangle(Instance placed, uint triangle, mat4x3 pose)
 {
-    Instance placed = InstanceArray(SCENE.instances).at[instance];
     Mesh mesh = MeshArray(SCENE.meshes).at[placed.mesh];
     uvec3 index = Uvec3Array(SCENE.indices).at[mesh.firstTriangle + triangle] + mesh.firstVertex;
     Vec3Array positions = Vec3Array(SCENE.positions);
@@ -38,19 +38,26 @@ WorldTriangle world_triangle(uint instance, uint triangle)
     vec3 p1 = positions.at[index.y];
     vec3 p2 = positions.at[index.z];
     WorldTriangle t;
-    t.p0 = placed.objectToWorld * vec4(p0, 1.0);
+    t.p0 = pose * vec4(p0, 1.0);
     // Edges in object space first: a small triangle far from the origin keeps its shape.
-    t.edge1 = placed.objectToWorld * vec4(p1 - p0, 0.0);
-    t.edge2 = placed.objectToWorld * vec4(p2 - p0, 0.0);
+    t.edge1 = pose * vec4(p1 - p0, 0.0);
+    t.edge2 = pose * vec4(p2 - p0, 0.0);
     t.cross_product = cross(t.edge1, t.edge2) * (placed.flipped != 0u ? -1.0 : 1.0);
     return t;
+}
+
+WorldTriangle world_triangle(uint instance, uint triangle)
+{
+    Instance placed = InstanceArray(SCENE.instances).at[instance];
+    return place_triangle(placed, triangle, placed.objectToWorld);
 }
 
 /// Radiance that a triangle emits at a point of it, W/sr/m^2. `front`: seen from the side its winding faces.
 vec3 triangle_emission(uint instance, uint triangle, vec2 barycentrics, bool front)
 {
     Mesh mesh = MeshArray(SCENE.meshes).at[InstanceArray(SCENE.instances).at[instance].mesh];
-    Material material = MaterialArray(SCENE.materials).at[UintArray(SCENE.materialOfTriangle).at[mesh.firstTriangle + triangle]];
+    uint index_of_material = UintArray(SCENE.materialOfTriangle).at[mesh.firstTriangle + triangle];
+    Material material = MaterialArray(SCENE.materials).at[index_of_material];
     if ((material.flags & MATERIAL_EMISSIVE) == 0u || (!front && (material.flags & MATERIAL_DOUBLE_SIDED) == 0u))
         return vec3(0.0);
     bool masked = (material.flags & MATERIAL_ALPHA_MASK) != 0u;
@@ -164,8 +171,9 @@ LightSample connect_punctual_light(uint index, Light light, vec3 x)
 /// The environment in direction wi.
 LightSample connect_environment(vec3 wi)
 {
-    return LightSample(wi, INFINITE_DISTANCE, environment_radiance(wi), light_pdf_environment(wi), SCENE.environmentLight, false,
-                       vec3(0.0), -wi);
+    vec3 radiance = environment_radiance(wi);
+    float pdf = light_pdf_environment(wi);
+    return LightSample(wi, INFINITE_DISTANCE, radiance, pdf, SCENE.environmentLight, false, vec3(0.0), -wi);
 }
 
 /// The light that two random numbers select, by the power-weighted alias table; INVALID_INDEX: the scene has none.
