@@ -13,7 +13,8 @@ vec3 rotate_about_y(vec3 w, float angle)
     return vec3(c * w.x + s * w.z, w.y, c * w.z - s * w.x);
 }
 
-/// Texture coordinates of a world direction: u = 0.5 + atan(x, -z) / 2 pi, v = acos(y) / pi, in the environment's own frame.
+/// Texture coordinates of a world direction: u = 0.5 + atan(x, -z) / 2 pi, v = acos(y) / pi, in the environment's own
+/// frame.
 vec2 environment_uv(vec3 w)
 {
     vec3 d = rotate_about_y(w, -SCENE.environmentRotation);
@@ -56,7 +57,8 @@ float pdf_environment(vec3 w)
     return density / (2.0 * PI * PI * max(sine, 1e-6));
 }
 
-/// A world direction by the alias table over texels, uniform within the texel; u selects (two numbers) and places (two).
+/// A world direction by the alias table over texels, uniform within the texel; u selects (two numbers) and places
+/// (two).
 vec3 sample_environment(vec4 u)
 {
     if (SCENE.environmentCells == 0ul)

@@ -36,7 +36,8 @@ vec3 fresnel_schlick(vec3 f0, float cosine)
     return f0 + (1.0 - f0) * schlick_weight(cosine);
 }
 
-/// The direction refracted at h (unit, dot(w, h) > 0); eta = n_transmitted / n_incident. false: total internal reflection.
+/// The direction refracted at h (unit, dot(w, h) > 0); eta = n_transmitted / n_incident. false: total internal
+/// reflection.
 bool refract_direction(vec3 w, vec3 h, float eta, out vec3 refracted)
 {
     float cosine = dot(w, h);

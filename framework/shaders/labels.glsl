@@ -1,5 +1,5 @@
-// Labels of a bounce (ALGORITHMS O1): all smooth lobes together, or one sharp lobe. A label is drawn first, from the BSDF alone,
-// and is part of the path.
+// Labels of a bounce (ALGORITHMS O1): all smooth lobes together, or one sharp lobe. A label is drawn first, from the
+// BSDF alone, and is part of the path.
 #ifndef RESTIRPG_LABELS_GLSL
 #define RESTIRPG_LABELS_GLSL
 

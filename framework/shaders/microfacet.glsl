@@ -1,11 +1,13 @@
-// Isotropic GGX microfacets in the local frame (z = normal): distribution, height-correlated Smith masking, and sampling of the
-// visible normals. Forms are chosen so that alpha = 1e-3 and grazing directions keep their digits in float32.
+// Isotropic GGX microfacets in the local frame (z = normal): distribution, height-correlated Smith masking, and
+// sampling of the visible normals. Forms are chosen so that alpha = 1e-3 and grazing directions keep their digits in
+// float32.
 #ifndef RESTIRPG_MICROFACET_GLSL
 #define RESTIRPG_MICROFACET_GLSL
 
 #include "prelude.glsl"
 
-/// Normal distribution D(h), Walter et al. 2007 eq. 33. Written in sin^2 / alpha^2: 1 - cos^2 would cancel for small alpha.
+/// Normal distribution D(h), Walter et al. 2007 eq. 33. Written in sin^2 / alpha^2: 1 - cos^2 would cancel for small
+/// alpha.
 float ggx_d(vec3 h, float alpha)
 {
     float a2 = alpha * alpha;
@@ -32,8 +34,8 @@ float ggx_visibility(float cos_o, float cos_i, float alpha)
     return 0.5 / (cos_i * ggx_projected(cos_o, alpha) + cos_o * ggx_projected(cos_i, alpha));
 }
 
-/// G2(wo, wi) / (|cos_o| |cos_i|) across the interface, 1 / (1 + Lambda_o + Lambda_i) as pbrt-v4 has it; the exact form for
-/// transmission is a Beta function (Heitz et al. 2016), a little smaller at grazing.
+/// G2(wo, wi) / (|cos_o| |cos_i|) across the interface, 1 / (1 + Lambda_o + Lambda_i) as pbrt-v4 has it; the exact form
+/// for transmission is a Beta function (Heitz et al. 2016), a little smaller at grazing.
 float ggx_visibility_across(float cos_o, float cos_i, float alpha)
 {
     return 4.0 * ggx_visibility(cos_o, cos_i, alpha);

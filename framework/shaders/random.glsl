@@ -1,5 +1,5 @@
-// Random numbers by address: every number is a pure function of (pixel, frame, seed, bounce, dimension), so that a path can
-// be replayed from its key and no branch can shift the numbers of a later decision (ALGORITHMS 5.7).
+// Random numbers by address: every number is a pure function of (pixel, frame, seed, bounce, dimension), so that a path
+// can be replayed from its key and no branch can shift the numbers of a later decision (ALGORITHMS 5.7).
 #ifndef RESTIRPG_RANDOM_GLSL
 #define RESTIRPG_RANDOM_GLSL
 
@@ -13,7 +13,8 @@ const uint RANDOM_ROULETTE = 9u;    ///< x
 const uint RANDOM_PIXEL = 10u;      ///< xy: position inside the pixel (bounce 0)
 const uint RANDOM_DIMENSIONS = 16u;
 
-/// XORed into the seed of numbers that decide which sample a reservoir keeps: they must not be those of the samples themselves.
+/// XORed into the seed of numbers that decide which sample a reservoir keeps: they must not be those of the samples
+/// themselves.
 const uint RANDOM_STREAM_RESAMPLING = 0x9e3779b9u;
 
 struct RandomKey {

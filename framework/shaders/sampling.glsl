@@ -69,8 +69,8 @@ struct AliasDraw {
     float fraction;
 };
 
-/// One 40-bit uniform number from two floats of 24 bits, times the number of columns, split into integer and fraction. With one
-/// float alone a table of 20,000 columns would select some of them 0.1% too often. Up to 2^24 columns.
+/// One 40-bit uniform number from two floats of 24 bits, times the number of columns, split into integer and fraction.
+/// With one float alone a table of 20,000 columns would select some of them 0.1% too often. Up to 2^24 columns.
 AliasDraw draw_alias(uint columns, vec2 u)
 {
     uvec2 bits = uvec2(u * 16777216.0);

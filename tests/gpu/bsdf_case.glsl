@@ -9,10 +9,15 @@ layout(push_constant, scalar) uniform Parameters { BsdfCase test; };
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counters { uint at[]; };
 
+BsdfParameters test_parameters()
+{
+    return BsdfParameters(test.baseColor, test.metallic, test.roughness, test.specular, test.specularColor,
+                          test.transmission, test.ior, test.coatAverage, test.solid != 0u, test.entering != 0u);
+}
+
 Bsdf test_bsdf()
 {
-    return make_bsdf(BsdfParameters(test.baseColor, test.metallic, test.roughness, test.specular, test.specularColor,
-                                    test.transmission, test.ior, test.coatAverage, test.solid != 0u, test.entering != 0u));
+    return make_bsdf(test_parameters());
 }
 
 /// ERROR_BEND: a density of 0.95 at 0 that rises to 1.05 at 1.

@@ -30,7 +30,7 @@ TEST_CONST ERROR_SWAP = 5u;  ///< the roughness changes by 1% when the direction
 
 // How directions are binned.
 TEST_CONST DOMAIN_SPHERE = 0u;  ///< wi itself
-TEST_CONST DOMAIN_REFLECTION = 1u;  ///< the half vector of reflection, stretched by 1 / alpha: any lobe fills the hemisphere
+TEST_CONST DOMAIN_REFLECTION = 1u;  ///< the half vector of reflection over alpha: any lobe fills the hemisphere
 TEST_CONST DOMAIN_REFRACTION = 2u;  ///< the half vector of refraction, likewise
 
 struct BsdfCase {

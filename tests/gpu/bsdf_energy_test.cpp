@@ -1,7 +1,7 @@
 // How much light the BSDF returns: the white furnace of each material, one direction at a time.
 //
-// Null hypothesis of the upper bounds: the mean weight of 2^20 draws is at most 1. False-alarm rate: 3 to 3.5 standard errors a
-// comparison.
+// Null hypothesis of the upper bounds: the mean weight of 2^20 draws is at most 1. False-alarm rate: 3 to 3.5 standard
+// errors a comparison.
 #include "bsdf_cases.h"
 #include "gpu_test.h"
 
@@ -43,7 +43,8 @@ TEST(BsdfEnergy, ReflectsNoMoreThanItReceives)
             test.lobe = LOBE_ALL;
             const Albedo result = albedo(test);
             for (int channel = 0; channel < 3; ++channel)
-                EXPECT_LT(result.mean[channel], 1 + 3 * result.standardError[channel] + 1e-5) << entry.name << ", cosine " << wo.z;
+                EXPECT_LT(result.mean[channel], 1 + 3 * result.standardError[channel] + 1e-5)
+                    << entry.name << ", cosine " << wo.z;
         }
 }
 
@@ -51,8 +52,8 @@ TEST(BsdfEnergy, WhiteSurfacesWithoutRoughnessReflectEverything)
 {
     BsdfCase lambert = material("lambert");
     lambert.baseColor = glm::vec3(1);
-    for (BsdfCase test : {lambert, material("smooth plastic"), material("smooth glass"), material("smooth glass from inside"),
-                          material("smooth thin sheet")})
+    for (BsdfCase test : {lambert, material("smooth plastic"), material("smooth glass"),
+                          material("smooth glass from inside"), material("smooth thin sheet")})
         for (const glm::vec3& wo : directions()) {
             test.wo = wo;
             test.lobe = LOBE_ALL;
@@ -73,8 +74,8 @@ TEST(BsdfEnergy, ACoatAverageThatIsThreePercentTooLargeBreaksTheFurnace)
 
 TEST(BsdfEnergy, EnergyOfWhitePaintUnderARoughCoatIsKept)
 {
-    // What may go: the coat's own single-scattering loss and the fit of coat_cosine, at most 12% (at grazing, or at ior 2). What may
-    // come: 0.005, the fit's other side.
+    // What may go: the coat's own single-scattering loss and the fit of coat_cosine, at most 12% (at grazing, or at ior
+    // 2). What may come: 0.005, the fit's other side.
     for (float roughness : {0.05f, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f, 1.0f})
         for (float ior : {1.2f, 1.5f, 2.0f})
             for (const glm::vec3& wo : directions()) {
@@ -87,8 +88,10 @@ TEST(BsdfEnergy, EnergyOfWhitePaintUnderARoughCoatIsKept)
                 test.lobe = LOBE_ALL;
                 const Albedo result = albedo(test, 1u << 14);
                 const double noise = 3.5 * result.standardError.x;
-                EXPECT_LT(result.mean.x, 1.005 + noise) << "roughness " << roughness << ", ior " << ior << ", cosine " << wo.z;
-                EXPECT_GT(result.mean.x, 0.88 - noise) << "roughness " << roughness << ", ior " << ior << ", cosine " << wo.z;
+                EXPECT_LT(result.mean.x, 1.005 + noise)
+                    << "roughness " << roughness << ", ior " << ior << ", cosine " << wo.z;
+                EXPECT_GT(result.mean.x, 0.88 - noise)
+                    << "roughness " << roughness << ", ior " << ior << ", cosine " << wo.z;
             }
 }
 
@@ -105,8 +108,10 @@ TEST(BsdfEnergy, TheRoughestWhiteMetalReflectsItsClosedForm)
 /// Prints the table of benchmarks/results/ggx_energy_loss.md; run it with --gtest_also_run_disabled_tests.
 TEST(BsdfEnergy, DISABLED_LossTable)
 {
-    std::printf("| white | roughness | cos 1 | 0.8 | 0.5 | 0.15 | 0.01 |\n| --- | --- | --- | --- | --- | --- | --- |\n");
-    for (const char* name : {"roughest metal", "rough plastic", "frosted glass", "frosted glass from inside", "tinted thin sheet"})
+    std::printf(
+        "| white | roughness | cos 1 | 0.8 | 0.5 | 0.15 | 0.01 |\n| --- | --- | --- | --- | --- | --- | --- |\n");
+    for (const char* name :
+         {"roughest metal", "rough plastic", "frosted glass", "frosted glass from inside", "tinted thin sheet"})
         for (float roughness : {0.1f, 0.2f, 0.4f, 0.6f, 0.8f, 1.0f}) {
             BsdfCase test = material(name);
             test.baseColor = glm::vec3(1);

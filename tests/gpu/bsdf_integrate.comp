@@ -51,7 +51,8 @@ void main()
         float jacobian = direction_at(b, vec3(r * cos(phi), r * sin(phi), z), wi);
         if (jacobian <= 0.0)
             continue;
-        float pdf = test.lobe == LOBE_ALL ? bsdf_pdf(b, test.wo, wi, LOBE_ALL) : bsdf_lobe_pdf(b, test.wo, wi, test.lobe);
+        bool whole = test.lobe == LOBE_ALL;
+        float pdf = whole ? bsdf_pdf(b, test.wo, wi, LOBE_ALL) : bsdf_lobe_pdf(b, test.wo, wi, test.lobe);
         jacobian *= sphere ? 2.0 * PI * PI * r : 2.0 * PI;
         sum += jacobian * vec2(pdf, luminance(bsdf_eval(b, test.wo, wi, test.lobe)) * abs(wi.z));
     }

@@ -23,8 +23,7 @@ void main()
     vec4 u = random4(key, 0u, RANDOM_PIXEL);
     float z = max(u.x, 1e-3);
     vec3 wo = vec3(sqrt(1.0 - z * z), 0.0, z);
-    BsdfParameters p = BsdfParameters(test.baseColor, test.metallic, test.roughness, test.specular, test.specularColor,
-                                      test.transmission, test.ior, test.coatAverage, test.solid != 0u, test.entering != 0u);
+    BsdfParameters p = test_parameters();
     Bsdf b = make_bsdf(p);
     u = random4(key, 0u, RANDOM_DIRECTION);
     BsdfSample s = bsdf_sample(b, wo, u.z, u.xy);

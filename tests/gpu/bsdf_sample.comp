@@ -13,7 +13,8 @@ uint bin_of(Bsdf b, vec3 wi)
         d = refraction_half_vector(test.wo, wi, b.eta);
     if (test.domain != DOMAIN_SPHERE)
         d = normalize(vec3(d.xy / (test.roughness * test.roughness), d.z));
-    // Rows of equal angle on the sphere, for lobes about the pole are narrow; of equal solid angle on the stretched hemisphere.
+    // Rows of equal angle on the sphere, for lobes about the pole are narrow; of equal solid angle on the stretched
+    // hemisphere.
     float height = test.domain == DOMAIN_SPHERE ? atan(length(d.xy), d.z) * INV_PI : d.z;
     uint column = min(uint((0.5 + 0.5 * INV_PI * atan(d.y, d.x)) * BIN_COLUMNS), BIN_COLUMNS - 1u);
     return min(uint(max(height, 0.0) * BIN_ROWS), BIN_ROWS - 1u) * BIN_COLUMNS + column;

@@ -1,11 +1,11 @@
 // Do the samplers of the BSDF draw what their pdfs say?
 //
-// Null hypothesis of each comparison: the counts of 2^20 draws in 64 x 32 bins are multinomial with the pdf's integral over each
-// bin. False-alarm rate: 1% over all comparisons of a test (Bonferroni). The same comparison must reject samplers and pdfs that
-// are wrong on purpose.
+// Null hypothesis of each comparison: the counts of 2^20 draws in 64 x 32 bins are multinomial with the pdf's integral
+// over each bin. False-alarm rate: 1% over all comparisons of a test (Bonferroni). The same comparison must reject
+// samplers and pdfs that are wrong on purpose.
+#include "../support/statistics.h"
 #include "bsdf_cases.h"
 #include "gpu_test.h"
-#include "../support/statistics.h"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,8 @@ constexpr double DRAWS = double(THREADS) * DRAWS_A_THREAD;
 /// What the midpoint rule over 1024 points a bin may be off, of the whole mass.
 constexpr double QUADRATURE_ERROR = 2e-3;
 
-/// Below this mass (next to total internal reflection) a lobe lives where the quadrature has no points, and has no draws to speak of.
+/// Below this mass (next to total internal reflection) a lobe lives where the quadrature has no points, and has no
+/// draws to speak of.
 constexpr double MASS_TO_TEST = 1e-3;
 
 struct Histogram {
@@ -72,7 +73,8 @@ uint32_t domainOf(const BsdfCase& test)
     return test.lobe == LOBE_TRANSMIT && test.solid ? DOMAIN_REFRACTION : DOMAIN_REFLECTION;
 }
 
-/// Every rough lobe alone, and the whole BSDF where it is broad enough for bins on the sphere, seen from every direction.
+/// Every rough lobe alone, and the whole BSDF where it is broad enough for bins on the sphere, seen from every
+/// direction.
 std::vector<Case> allCases()
 {
     std::vector<Case> cases;
@@ -131,8 +133,8 @@ TEST(BsdfSampling, EveryLobeDrawsFromItsPdf)
     }
 }
 
-/// How far the integral of the pdf may be from the share of draws that were not lost: 4.5 standard errors of that share, and the
-/// quadrature's own error.
+/// How far the integral of the pdf may be from the share of draws that were not lost: 4.5 standard errors of that
+/// share, and the quadrature's own error.
 double massTolerance(const Measured& entry)
 {
     const double lost = entry.drawn.lost;
@@ -145,7 +147,8 @@ TEST(BsdfSampling, EveryPdfIntegratesToOneLessTheLostDraws)
         EXPECT_NEAR(entry.integrals.mass, 1 - entry.drawn.lost, massTolerance(entry)) << entry.name;
 }
 
-/// A lobe whose draws are mostly lost (behind the horizon, or under total internal reflection) has few left to test with.
+/// A lobe whose draws are mostly lost (behind the horizon, or under total internal reflection) has few left to test
+/// with.
 constexpr double MASS_THAT_SHOWS = 0.5;
 
 /// Expect that the chi-square test rejects every case of a lobe whose sampler is wrong in a given way.

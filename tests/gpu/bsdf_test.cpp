@@ -1,5 +1,6 @@
 // What the BSDF is: against the textbook in double precision, classes of lobes, reciprocity.
 #include "bsdf_cases.h"
+#include "extremes_case.h"
 #include "gpu_test.h"
 
 #include <bit>
@@ -92,7 +93,8 @@ dvec3 textbookTransmission(const BsdfCase& m, const dvec3& wo, const dvec3& wi, 
     const double o = glm::dot(wo, h), i = glm::dot(wi, h);
     if (o <= 0 || i >= 0 || dielectricFresnel(o, eta) >= 1)
         return dvec3(0);
-    return base * (1.0 - textbookCoat(m, o, eta)) * std::abs(o * i / (wo.z * wi.z)) * ggxDistribution(h, alpha) * g / std::pow(o + eta * i, 2);
+    return base * (1.0 - textbookCoat(m, o, eta)) * std::abs(o * i / (wo.z * wi.z)) * ggxDistribution(h, alpha) * g /
+           std::pow(o + eta * i, 2);
 }
 
 /// The shader's fit; EnergyOfWhitePaintUnderARoughCoat tests it against the lobe itself.
@@ -101,7 +103,8 @@ double coatCosine(double cosine, double alpha)
     const double grazing = 0.511 * alpha / (0.228 + alpha);
     const double normal = 1 - 0.293 * alpha / (0.816 + alpha);
     const double linear = 1.222 * alpha * alpha;
-    return std::sqrt(grazing * grazing + linear * cosine + (normal * normal - grazing * grazing - linear) * cosine * cosine);
+    return std::sqrt(grazing * grazing + linear * cosine +
+                     (normal * normal - grazing * grazing - linear) * cosine * cosine);
 }
 
 dvec3 textbookDiffuse(const BsdfCase& m, const dvec3& wo, const dvec3& wi, double eta)
@@ -111,10 +114,11 @@ dvec3 textbookDiffuse(const BsdfCase& m, const dvec3& wo, const dvec3& wi, doubl
     const double alpha = m.roughness < DELTA_ROUGHNESS ? 0 : double(m.roughness) * m.roughness;
     const double position = m.coatAverage / (1 + 2.6 * alpha + 12.4 * alpha * alpha);
     const double f0 = dielectricFresnel(1, m.ior);
-    const dvec3 average = double(m.specular) * glm::mix(glm::min(f0 * dvec3(m.specularColor), dvec3(1)), dvec3(1), position);
+    const dvec3 average =
+        double(m.specular) * glm::mix(glm::min(f0 * dvec3(m.specularColor), dvec3(1)), dvec3(1), position);
     return (1.0 - m.metallic) * (1.0 - m.transmission) * dvec3(m.baseColor) / PI *
-           (1.0 - textbookCoat(m, coatCosine(wo.z, alpha), eta)) * (1.0 - textbookCoat(m, coatCosine(wi.z, alpha), eta)) /
-           (1.0 - average);
+           (1.0 - textbookCoat(m, coatCosine(wo.z, alpha), eta)) *
+           (1.0 - textbookCoat(m, coatCosine(wi.z, alpha), eta)) / (1.0 - average);
 }
 
 dvec3 textbookBsdf(const BsdfCase& m, const dvec3& wo, const dvec3& wi, bool rough)
@@ -133,10 +137,12 @@ TEST(Bsdf, MatchesTheTextbookInDoublePrecision)
         test.lobe = LOBE_ALL;
         const auto values = evaluate(test, pairs);
         for (size_t index = 0; index < pairs.size(); ++index) {
-            const dvec3 expected = textbookBsdf(test, pairs[index].wo, pairs[index].wi, test.roughness >= DELTA_ROUGHNESS);
+            const dvec3 expected =
+                textbookBsdf(test, pairs[index].wo, pairs[index].wi, test.roughness >= DELTA_ROUGHNESS);
             for (int channel = 0; channel < 3; ++channel)
                 ASSERT_NEAR(values[index].f[channel], expected[channel], 1e-6 + 2e-3 * expected[channel])
-                    << entry.name << ", pair " << index << ", wo.z " << pairs[index].wo.z << ", wi.z " << pairs[index].wi.z;
+                    << entry.name << ", pair " << index << ", wo.z " << pairs[index].wo.z << ", wi.z "
+                    << pairs[index].wi.z;
         }
     }
 }
@@ -213,6 +219,19 @@ TEST(Bsdf, WithoutSpecularItIsLambertsExactly)
     for (size_t index = 0; index < pairs.size(); ++index)
         for (int channel = 0; channel < 3; ++channel)
             ASSERT_NEAR(values[index].f[channel], pairs[index].wi.z > 0 ? test.baseColor[channel] / PI : 0, 1e-7);
+}
+
+TEST(Bsdf, NoMaterialOrDirectionBreaksIt)
+{
+    const Buffer results = device().createBuffer(sizeof(ExtremesFound), "extremes");
+    run("bsdf_extremes", ExtremesCase{results.address()}, 1u << 21);
+    ExtremesFound found;
+    device().download(results, &found, sizeof(found));
+    EXPECT_EQ(found.brokenValues, 0u);
+    EXPECT_EQ(found.brokenPdfs, 0u);
+    EXPECT_EQ(found.brokenSamples, 0u);
+    // Lobes are chosen at least with MIN_LOBE_PROBABILITY, so weights stay near its inverse.
+    EXPECT_LT(std::bit_cast<float>(found.largestWeight), 30.0f);
 }
 
 // ---- Reciprocity ----

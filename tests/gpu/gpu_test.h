@@ -32,7 +32,8 @@ inline const Kernel& kernel(const std::string& name)
     static std::map<std::string, Kernel> kernels;
     auto found = kernels.find(name);
     if (found == kernels.end())
-        found = kernels.emplace(name, Kernel(target, std::string(RESTIRPG_SOURCE) + "/tests/gpu/" + name + ".comp")).first;
+        found =
+            kernels.emplace(name, Kernel(target, std::string(RESTIRPG_SOURCE) + "/tests/gpu/" + name + ".comp")).first;
     return found->second;
 }
 

@@ -1,5 +1,5 @@
-// Integrates the light samplers' pdf (x) and the radiance's luminance (y) over each bin of light_sample.comp. Every triangle is
-// intersected by the textbook, and none hides another: next event estimation does not know of visibility.
+// Integrates the light samplers' pdf (x) and the radiance's luminance (y) over each bin of light_sample.comp. Every
+// triangle is intersected by the textbook, and none hides another: next event estimation does not know of visibility.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "prelude.glsl"

@@ -24,8 +24,9 @@ Material emitter(const glm::vec3& radiance, uint32_t flags)
     material.alpha = 1;
     material.alphaCutoff = 0.5f;
     material.flags = flags;
-    for (TextureRef* map : {&material.baseColorMap, &material.metallicRoughnessMap, &material.normalMap, &material.emissiveMap,
-                            &material.transmissionMap, &material.specularMap, &material.specularColorMap})
+    for (TextureRef* map :
+         {&material.baseColorMap, &material.metallicRoughnessMap, &material.normalMap, &material.emissiveMap,
+          &material.transmissionMap, &material.specularMap, &material.specularColorMap})
         *map = noTexture();
     return material;
 }
@@ -87,15 +88,17 @@ Scene triangleLightScene()
     textured.emissiveMap.index = 0;
     Material masked = emitter({5, 5, 5}, MATERIAL_EMISSIVE | MATERIAL_DOUBLE_SIDED | MATERIAL_ALPHA_MASK);
     masked.baseColorMap.index = 0;
-    scene.materials = {emitter({1, 2, 3}, MATERIAL_EMISSIVE), emitter({4, 1, 1}, MATERIAL_EMISSIVE | MATERIAL_DOUBLE_SIDED), textured,
-                       masked, emitter({0, 0, 0}, 0)};
+    scene.materials = {emitter({1, 2, 3}, MATERIAL_EMISSIVE),
+                       emitter({4, 1, 1}, MATERIAL_EMISSIVE | MATERIAL_DOUBLE_SIDED), textured, masked,
+                       emitter({0, 0, 0}, 0)};
     addTriangles(scene, {{{{-1, -1, 2}, {0, 1, 2}, {1, -1, 2.5f}}},
                          {{{2, -1, -1}, {2, 1, 0}, {1.5f, -1, 1}}},
                          {{{-2, 1, -1}, {-1, 2, 1}, {-2, 0, 1.5f}}},
                          {{{-1, -2, 1}, {1, -2, 0}, {0, -1.5f, -1}}},
                          {{{0.5f, 2, 0}, {1, 2, 0}, {0.5f, 2, 0.5f}}}});
     addInstance(scene, glm::mat4(1));
-    glm::mat4 sheared = glm::scale(glm::rotate(glm::translate(glm::mat4(1), {0.3f, 0.2f, -1}), 1.1f, {0.6f, 0, 0.8f}), {0.5f, 2, 1.2f});
+    glm::mat4 sheared =
+        glm::scale(glm::rotate(glm::translate(glm::mat4(1), {0.3f, 0.2f, -1}), 1.1f, {0.6f, 0, 0.8f}), {0.5f, 2, 1.2f});
     sheared[1][0] += 0.4f;
     addInstance(scene, sheared);
     addInstance(scene, glm::scale(glm::rotate(glm::mat4(1), 2.0f, {0, 1, 0}), {-1.5f, 1.5f, 1.5f}));

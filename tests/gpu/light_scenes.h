@@ -5,8 +5,8 @@
 
 namespace restirpg::test {
 
-/// Emissive triangles, one-sided, double-sided, textured and alpha-masked, in a plain, a sheared and a mirrored instance around the
-/// origin; no other light.
+/// Emissive triangles, one-sided, double-sided, textured and alpha-masked, in a plain, a sheared and a mirrored
+/// instance around the origin; no other light.
 Scene triangleLightScene();
 
 /// A scene without a light: one small black triangle far away, since a scene must have geometry.

@@ -1,11 +1,11 @@
 // Do light samples have the pdf they claim, and is it the one that MIS asks for?
 //
-// Null hypothesis of each chi-square: the counts of 2^20 draws are multinomial with the integrals of the pdf. False-alarm rate: 1%
-// over the comparisons of a test. The same comparison must reject errors made on purpose.
+// Null hypothesis of each chi-square: the counts of 2^20 draws are multinomial with the integrals of the pdf.
+// False-alarm rate: 1% over the comparisons of a test. The same comparison must reject errors made on purpose.
+#include "../support/statistics.h"
 #include "gpu_test.h"
 #include "light_case.h"
 #include "light_scenes.h"
-#include "../support/statistics.h"
 
 #include <bit>
 #include <cmath>
@@ -119,8 +119,8 @@ TEST(LightSampling, DirectionsFollowThePdf)
 {
     for (const auto& entry : scenes()) {
         const ChiSquare result = directions(sample(entry->scene, lightCase(entry->technique)), entry->integrals);
-        EXPECT_GT(result.p, bonferroni(scenes().size()))
-            << entry->name << ": chi-square " << result.statistic << " with " << result.degrees << " degrees of freedom";
+        EXPECT_GT(result.p, bonferroni(scenes().size())) << entry->name << ": chi-square " << result.statistic
+                                                         << " with " << result.degrees << " degrees of freedom";
     }
 }
 
@@ -138,7 +138,9 @@ TEST(LightSampling, ThePdfIntegratesToTheShareOfLightsThatScatteringCanFind)
         double share = 1;
         if (entry->technique == SAMPLE_LIGHTS)
             for (const Light& light : entry->scene.gpu.lights().lights)
-                share -= light.type == LIGHT_POINT || light.type == LIGHT_SPOT || light.type == LIGHT_DIRECTIONAL ? light.pmf : 0;
+                share -= light.type == LIGHT_POINT || light.type == LIGHT_SPOT || light.type == LIGHT_DIRECTIONAL
+                             ? light.pmf
+                             : 0;
         EXPECT_NEAR(entry->integrals.mass, share, QUADRATURE_ERROR) << entry->name;
         const double wrong = integrate(entry->scene, lightCase(entry->technique, ERROR_PDF)).mass;
         EXPECT_GT(std::abs(wrong - share), QUADRATURE_ERROR) << entry->name << ": a pdf that is 2% too large must fail";
@@ -157,7 +159,8 @@ TEST(LightSampling, RadianceOverPdfAveragesToTheIntegralOfRadiance)
 TEST(LightSampling, MisAsksForTheSamePdfThatTheSampleHas)
 {
     for (const auto& entry : scenes())
-        EXPECT_LT(std::bit_cast<float>(sample(entry->scene, lightCase(entry->technique)).counts.worstPdf), 1e-4f) << entry->name;
+        EXPECT_LT(std::bit_cast<float>(sample(entry->scene, lightCase(entry->technique)).counts.worstPdf), 1e-4f)
+            << entry->name;
 }
 
 // ---- Selection ----

@@ -17,8 +17,9 @@ void main()
     values.uv = environment_uv(query.direction);
     values.roundTrip = environment_direction(values.uv);
     Light light = LightArray(SCENE.lights).at[query.light];
-    LightSample s = light.type == LIGHT_TRIANGLE ? connect_triangle_light(query.light, light, query.barycentrics, query.x)
-                                                 : connect_punctual_light(query.light, light, query.x);
+    LightSample s = connect_punctual_light(query.light, light, query.x);
+    if (light.type == LIGHT_TRIANGLE)
+        s = connect_triangle_light(query.light, light, query.barycentrics, query.x);
     values.wi = s.wi;
     values.distance = s.distance;
     values.radiance = s.radiance;

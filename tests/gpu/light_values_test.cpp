@@ -105,7 +105,8 @@ TEST(LightValues, OneSidedTrianglesEmitFromTheirFrontOnlyInMirroredInstancesToo)
         for (uint32_t corner = 0; corner < 3; ++corner)
             p[corner] = glm::dvec3(pose * glm::vec4(scene.scene.positions[3 * lights[index].triangle + corner], 1));
         // glTF: the front is counter-clockwise, and a mirroring node reverses the winding.
-        const glm::dvec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]) * (glm::determinant(glm::mat3(pose)) < 0 ? -1.0 : 1.0);
+        const glm::dvec3 cross =
+            glm::cross(p[1] - p[0], p[2] - p[0]) * (glm::determinant(glm::mat3(pose)) < 0 ? -1.0 : 1.0);
         const auto queries = randomQueries(index);
         const auto values = evaluate(scene, queries);
         for (size_t k = 0; k < queries.size(); ++k) {
@@ -114,7 +115,8 @@ TEST(LightValues, OneSidedTrianglesEmitFromTheirFrontOnlyInMirroredInstancesToo)
             const bool front = glm::dot(cross, d) < 0;
             const glm::vec3 emission = oneSided ? glm::vec3(1, 2, 3) : glm::vec3(4, 1, 1);
             ASSERT_EQ(values[k].radiance, front || !oneSided ? emission : glm::vec3(0)) << "light " << index;
-            const double area = 0.5 * glm::length(cross), cosine = std::abs(glm::dot(glm::normalize(cross), glm::normalize(d)));
+            const double area = 0.5 * glm::length(cross),
+                         cosine = std::abs(glm::dot(glm::normalize(cross), glm::normalize(d)));
             const double pdf = lights[index].pmf * glm::dot(d, d) / (area * cosine);
             ASSERT_NEAR(values[k].pdf, pdf, 1e-3 * pdf) << "light " << index;
         }
@@ -138,7 +140,8 @@ TEST(LightValues, TexturesColourEmissionAndMasksRemoveIt)
         const auto values = evaluate(scene, queries);
         for (size_t k = 0; k < queries.size(); ++k) {
             const glm::vec2 b = queries[k].barycentrics;
-            const glm::vec2 uv = glm::vec2(0.1f) * (1 - b.x - b.y) + glm::vec2(0.9f, 0.2f) * b.x + glm::vec2(0.3f, 0.8f) * b.y;
+            const glm::vec2 uv =
+                glm::vec2(0.1f) * (1 - b.x - b.y) + glm::vec2(0.9f, 0.2f) * b.x + glm::vec2(0.3f, 0.8f) * b.y;
             const glm::vec4 texel = scene.scene.textures[0].sample(uv);
             if (std::abs(texel.a - 0.5f) < 0.02f)
                 continue;  // too close to the cutoff for a sampler's rounding
@@ -167,7 +170,8 @@ TEST(LightValues, TheEnvironmentIsLookedUpByLongitudeAndLatitude)
         ASSERT_NEAR(values[k].uv.x, u, 1e-5);
         ASSERT_NEAR(values[k].uv.y, v, 1e-5);
         ASSERT_LT(glm::distance(values[k].roundTrip, queries[k].direction), 1e-4f);
-        const glm::vec3 expected = glm::vec3(1, 0.9f, 0.8f) * glm::vec3(source.environment->texture->sample(glm::vec2(u, v)));
+        const glm::vec3 expected =
+            glm::vec3(1, 0.9f, 0.8f) * glm::vec3(source.environment->texture->sample(glm::vec2(u, v)));
         ASSERT_LT(glm::distance(values[k].environment, expected), 0.01f + 0.02f * expected.x);
     }
 }

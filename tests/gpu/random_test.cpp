@@ -1,11 +1,11 @@
 // Random numbers by address, and the maps from them.
 //
-// Null hypothesis: pairs of numbers, of one address or of neighbouring ones, are uniform on the unit square (2^20 pairs in 32 x 32
-// cells). False-alarm rate: 1% over all pairs and walks (Bonferroni).
+// Null hypothesis: pairs of numbers, of one address or of neighbouring ones, are uniform on the unit square (2^20 pairs
+// in 32 x 32 cells). False-alarm rate: 1% over all pairs and walks (Bonferroni).
+#include "../support/statistics.h"
 #include "gpu_test.h"
 #include "random_case.h"
 #include "sampling_case.h"
-#include "../support/statistics.h"
 
 #include <bit>
 
@@ -39,7 +39,8 @@ TEST(Random, NumbersAreUniformAlongEveryCoordinateOfTheirAddress)
     for (uint32_t walk = 0; walk < WALKS; ++walk)
         for (const uint32_t seed : SEEDS) {
             const RandomCounts counts = draw(walk, seed, false);
-            EXPECT_GT(smallestP(counts), bonferroni(WALKS * PAIRS * SEEDS.size())) << "walk " << walk << ", seed " << seed;
+            EXPECT_GT(smallestP(counts), bonferroni(WALKS * PAIRS * SEEDS.size()))
+                << "walk " << walk << ", seed " << seed;
             EXPECT_EQ(counts.outside, 0u);
         }
 }

@@ -46,8 +46,8 @@ void main()
     AliasDraw last = draw_alias(columns, largest);
     AliasDraw first = draw_alias(columns, vec2(0.0));
     AliasDraw any_draw = draw_alias(columns, u.xy);
-    bool right = last.column == columns - 1u && first.column == 0u && first.fraction == 0.0 && any_draw.column < columns &&
-                 any_draw.fraction >= 0.0 && any_draw.fraction < 1.0 && last.fraction < 1.0;
+    bool right = last.column == columns - 1u && last.fraction < 1.0 && first.column == 0u && first.fraction == 0.0;
+    right = right && any_draw.column < columns && any_draw.fraction >= 0.0 && any_draw.fraction < 1.0;
     // Column and fraction are the number itself, in units of columns.
     float position = (float(any_draw.column) + any_draw.fraction) / float(columns);
     atomicMax(worst.w.alias, floatBitsToUint(right ? abs(position - u.x) : 1.0));

@@ -24,8 +24,8 @@ inline double twoSidedP(double z)
     return std::erfc(std::abs(z) / std::sqrt(2.0));
 }
 
-/// P(X > x) of a chi-square variable, by the cube-root transformation of Wilson and Hilferty (1931). At p = 1e-5 it is within 12%
-/// for 5 degrees of freedom or more, which moves a threshold by far less than the statistic's own spread.
+/// P(X > x) of a chi-square variable, by the cube-root transformation of Wilson and Hilferty (1931). At p = 1e-5 it is
+/// within 12% for 5 degrees of freedom or more, which moves a threshold by far less than the statistic's own spread.
 inline double chiSquareP(double x, double degrees)
 {
     const double spread = 2.0 / (9.0 * degrees);
@@ -39,9 +39,9 @@ struct ChiSquare {
     double p = 1;
 };
 
-/// Pearson's test of counts against expected counts. Null hypothesis: the draws have the expected density. Cells that expect
-/// fewer than 5 are pooled among themselves; a rest that still expects fewer counts as if it expected 5, which is conservative.
-/// Expectations are taken as they are, not scaled to the counts: a density with the wrong mass fails.
+/// Pearson's test of counts against expected counts. Null hypothesis: the draws have the expected density. Cells that
+/// expect fewer than 5 are pooled among themselves; a rest that still expects fewer counts as if it expected 5, which
+/// is conservative. Expectations are taken as they are, not scaled to the counts: a density with the wrong mass fails.
 inline ChiSquare chiSquare(std::span<const uint32_t> observed, std::span<const double> expected)
 {
     constexpr double SMALLEST = 5;

@@ -1,0 +1,215 @@
+// The one BSDF: glTF metallic-roughness with KHR_materials_{specular, ior, transmission, volume}, as a sum of three
+// lobes that can be addressed one by one. Local frame: z is the shading normal on wo's side; wo and wi point away from
+// the surface; wo.z > 0.
+//
+//   diffuse   (1 - m)(1 - t) base / pi * (1 - Fc(wo)) (1 - Fc(wi)) / (1 - Fc_avg),  Fc the coat's share (coat_cosine)
+//   reflect   F D G / (4 cos_o cos_i),  F = mix(dielectric, Schlick(base), m)
+//   transmit  (1 - m) t base (1 - F) times Walter et al. 2007's GGX BTDF (solid), or a mirrored reflection (thin)
+//
+// Two deliberate deviations from glTF's sample BRDF. Diffuse: under glTF's (1 - F(wo.h)) a white surface reaches an
+// albedo of 1.9 at grazing; the form above (Shirley et al. 1997, Kelemen & Szirmay-Kalos 2001) is reciprocal, conserves
+// energy, and under a smooth coat a white base reflects exactly 1. Thin transmission: a pane has two faces, and the
+// light between them sums to a reflectance 2F / (1 + F), as in Mitsuba's `thindielectric`; glTF counts one face. Single
+// scattering only: rough surfaces lose energy (benchmarks/results/ggx_energy_loss.md), reciprocity is exact. The
+// diffuse part of a half-transparent solid is its outer paint: from inside it absorbs.
+#ifndef RESTIRPG_BSDF_MODEL_GLSL
+#define RESTIRPG_BSDF_MODEL_GLSL
+
+#include "fresnel.glsl"
+#include "prelude.glsl"
+
+const uint LOBE_DIFFUSE = 1u;
+const uint LOBE_REFLECT = 2u;
+const uint LOBE_TRANSMIT = 4u;
+const uint LOBE_ALL = 7u;
+
+/// Linear roughness below which REFLECT and TRANSMIT are exact delta lobes (Mitsuba's reference scenes switch at the
+/// same place).
+const float DELTA_ROUGHNESS = 0.03;
+/// Linear roughness up to which they are "sharp": their own label, never guided, never reconnected (ALGORITHMS O1).
+const float SHARP_ROUGHNESS = 0.2;
+/// A rough lobe that can be non-zero is chosen at least this often, so that no weight grows without bound (O19).
+const float MIN_LOBE_PROBABILITY = 0.05;
+/// Below this |ior - 1| a surface is invisible: the half vector of refraction has no digits left.
+const float INDEX_MATCHED = 1e-3;
+
+/// The evaluated material at a point: glTF's values, textures applied.
+struct BsdfParameters {
+    vec3 baseColor;
+    float metallic;
+    float roughness;  ///< linear; alpha = roughness^2
+    float specular;
+    vec3 specularColor;
+    float transmission;
+    float ior;  ///< 0: glTF's "infinite", F0 = 1
+    float coatAverage;  ///< Material::coatAverage
+    bool solid;  ///< MATERIAL_SOLID: refracts; else a thin sheet
+    bool entering;  ///< wo is on the outside; matters for solids only
+};
+
+struct Bsdf {
+    vec3 diffuse;  ///< (1 - m)(1 - t) base / (1 - Fc_avg); 0 inside a solid
+    vec3 metal;  ///< Schlick's F0
+    vec3 transmittance;  ///< (1 - m) t base
+    vec3 coat0;  ///< dielectric F at normal incidence, KHR_materials_specular applied
+    float coat90;  ///< and at grazing
+    float f0;  ///< of the bare interface
+    float metallic;
+    float pane;  ///< share of the dielectric that is a thin pane
+    float eta;  ///< n(far side) / n(wo's side); 0: infinite
+    float alpha;  ///< of GGX; 0 where the lobes are deltas
+    float roughness;  ///< linear
+    uint lobes;  ///< LOBE_* that can be non-zero
+    bool solid;
+};
+
+// ---- Fresnel terms ----
+
+/// How far from F0 to F90 the dielectric interface is at this cosine: exact Fresnel, normalised.
+float coat_position(Bsdf b, float cosine)
+{
+    if (b.eta == 0.0)
+        return schlick_weight(cosine);
+    return (fresnel_dielectric(cosine, b.eta) - b.f0) / max(1.0 - b.f0, 1e-6);
+}
+
+/// Reflectance of one dielectric interface.
+vec3 coat_fresnel(Bsdf b, float cosine)
+{
+    return clamp(mix(b.coat0, vec3(b.coat90), coat_position(b, cosine)), 0.0, 1.0);
+}
+
+/// Both faces of a thin pane, all orders of reflection between them.
+vec3 pane_fresnel(vec3 f)
+{
+    return 2.0 * f / (1.0 + f);
+}
+
+/// What the REFLECT lobe multiplies D and G with.
+vec3 reflect_fresnel(Bsdf b, float cosine)
+{
+    vec3 coat = coat_fresnel(b, cosine);
+    return mix(mix(coat, pane_fresnel(coat), b.pane), fresnel_schlick(b.metal, cosine), b.metallic);
+}
+
+/// What the TRANSMIT lobe multiplies its shape with. 0 under total internal reflection.
+vec3 transmit_fresnel(Bsdf b, float cosine)
+{
+    vec3 coat = coat_fresnel(b, cosine);
+    if (!b.solid)
+        return b.transmittance * (1.0 - pane_fresnel(coat));
+    return fresnel_dielectric(cosine, b.eta) < 1.0 ? b.transmittance * (1.0 - coat) : vec3(0.0);
+}
+
+/// The cosine at which a smooth interface reflects what the rough one seen at `cosine` does: about the mean of wo.h
+/// over the facets that wo sees; the identity for alpha = 0. Fitted to quadratures of the GGX lobe for ior 1.2 to 2.4,
+/// on which it hardly depends, from the safe side: the reflectance is never 0.005 too small, and 0.03 too large at most
+/// for cosines above 0.15. With the macroscopic cosine instead, rough paint would turn black at grazing: the coat would
+/// take there what its facets do not reflect.
+float coat_cosine(float cosine, float alpha)
+{
+    float grazing = 0.511 * alpha / (0.228 + alpha);
+    float normal = 1.0 - 0.293 * alpha / (0.816 + alpha);
+    float linear = 1.222 * alpha * alpha;
+    float g2 = grazing * grazing;
+    return sqrt(g2 + cosine * (linear + cosine * (normal * normal - g2 - linear)));
+}
+
+/// Light that passes the coat towards the diffuse base, for one direction.
+vec3 coat_passage(Bsdf b, float cosine)
+{
+    return 1.0 - coat_fresnel(b, coat_cosine(cosine, b.alpha));
+}
+
+// ---- Construction and classes of lobes ----
+
+/// Cosine-weighted mean of coat_position over the hemisphere outside. The factor of alpha bounds the fall of the mean
+/// under roughness from below (for ior >= 1.2), so that the diffuse lobe never gains energy.
+float coat_average(BsdfParameters p, float alpha)
+{
+    float smooth_average = p.ior == 0.0 ? 1.0 / 21.0 : p.coatAverage;  // infinite ior: the mean of (1 - cos)^5
+    return smooth_average / (1.0 + alpha * (2.6 + 12.4 * alpha));
+}
+
+Bsdf make_bsdf(BsdfParameters p)
+{
+    Bsdf b;
+    float ior = abs(p.ior - 1.0) < INDEX_MATCHED ? 1.0 : p.ior;
+    b.solid = p.solid && p.transmission > 0.0 && ior > 0.0;
+    bool inside = b.solid && !p.entering;
+    b.eta = inside ? 1.0 / ior : ior;
+    b.f0 = fresnel_f0(ior);
+    b.coat0 = p.specular * min(b.f0 * p.specularColor, vec3(1.0));
+    b.coat90 = ior == 1.0 ? 0.0 : p.specular;
+    b.metal = p.baseColor;
+    b.metallic = p.metallic;
+    b.pane = b.solid ? 0.0 : p.transmission;
+    b.roughness = p.roughness;
+    b.alpha = p.roughness < DELTA_ROUGHNESS ? 0.0 : p.roughness * p.roughness;
+
+    vec3 average = mix(b.coat0, vec3(b.coat90), coat_average(p, b.alpha));
+    vec3 base = (1.0 - p.metallic) * p.baseColor;
+    b.diffuse = inside ? vec3(0.0) : (1.0 - p.transmission) * base / max(1.0 - average, 1e-4);
+    b.transmittance = p.transmission * base;
+
+    b.lobes = 0u;
+    if (any(greaterThan(b.diffuse, vec3(0.0))))
+        b.lobes |= LOBE_DIFFUSE;
+    if (p.metallic > 0.0 || b.coat90 > 0.0)
+        b.lobes |= LOBE_REFLECT;
+    if (any(greaterThan(b.transmittance, vec3(0.0))))
+        b.lobes |= LOBE_TRANSMIT;
+    return b;
+}
+
+/// Is this lobe an exact delta? Refraction between equal indices is one at any roughness.
+bool bsdf_is_delta(Bsdf b, uint lobe)
+{
+    bool index_matched = lobe == LOBE_TRANSMIT && b.solid && b.eta == 1.0;
+    return lobe != LOBE_DIFFUSE && (b.roughness < DELTA_ROUGHNESS || index_matched);
+}
+
+/// Is this lobe its own label? Every delta lobe is.
+bool bsdf_is_sharp(Bsdf b, uint lobe)
+{
+    return lobe != LOBE_DIFFUSE && (b.roughness <= SHARP_ROUGHNESS || bsdf_is_delta(b, lobe));
+}
+
+/// The present lobes of `mask` that are not deltas.
+uint bsdf_rough_lobes(Bsdf b, uint mask)
+{
+    uint lobes = b.lobes & mask;
+    lobes &= bsdf_is_delta(b, LOBE_REFLECT) ? ~LOBE_REFLECT : ~0u;
+    return lobes & (bsdf_is_delta(b, LOBE_TRANSMIT) ? ~LOBE_TRANSMIT : ~0u);
+}
+
+// ---- Probabilities of lobes ----
+
+/// 1 for DIFFUSE, REFLECT, TRANSMIT where `lobes` has them, else 0.
+vec3 lobe_flags(uint lobes)
+{
+    return vec3(notEqual(uvec3(lobes) & uvec3(LOBE_DIFFUSE, LOBE_REFLECT, LOBE_TRANSMIT), uvec3(0u)));
+}
+
+/// P(lobe | wo) of DIFFUSE, REFLECT, TRANSMIT: the luminance that each scatters, about. Exactly F and 1 - F for smooth
+/// clear glass. All zero where the surface absorbs everything.
+vec3 bsdf_lobe_probabilities(Bsdf b, vec3 wo)
+{
+    vec3 rough = lobe_flags(bsdf_rough_lobes(b, LOBE_ALL));
+    float facet = coat_cosine(wo.z, b.alpha);
+    vec3 weight = vec3(luminance(b.diffuse * (1.0 - coat_fresnel(b, facet))), luminance(reflect_fresnel(b, facet)),
+                       luminance(transmit_fresnel(b, facet)));
+    weight *= lobe_flags(b.lobes);
+    float sum = weight.x + weight.y + weight.z;
+    weight = max(weight, rough * (sum > 0.0 ? MIN_LOBE_PROBABILITY * sum : 1.0));
+    return weight / max(weight.x + weight.y + weight.z, 1e-30);
+}
+
+/// P(lobe | wo) of one LOBE_*.
+float bsdf_lobe_probability(Bsdf b, vec3 wo, uint lobe)
+{
+    vec3 p = bsdf_lobe_probabilities(b, wo);
+    return lobe == LOBE_DIFFUSE ? p.x : lobe == LOBE_REFLECT ? p.y : p.z;
+}
+
+#endif
