@@ -1,0 +1,137 @@
+#include "Shared.h"
+#include "render/frame.h"
+
+#include <algorithm>
+#include <array>
+
+namespace restirpg {
+
+static_assert(sizeof(LightReservoir) == 28);
+
+namespace {
+
+/// Fewest pixels of the radius of spatial reuse, whatever the size of the image: below, no neighbours would be left (ALGORITHMS O10).
+constexpr float LEAST_RADIUS = 3.0f;
+/// Lines of the image for which the knob `radius` is in pixels.
+constexpr float RADIUS_LINES = 1080.0f;
+/// In the order of FAULT_*.
+const std::vector<std::string> FAULTS = {"none",          "visibility",      "cap",    "confidence",
+                                         "light_measure", "previous_camera", "mixture"};
+
+}  // namespace
+
+class ReSTIRDI final : public Pass {
+public:
+    void describe(Interface& io) override
+    {
+        const PortType reservoir = perPixel<LightReservoir>("LightReservoir");
+        io.input("surface", surface_, perPixel<Hit>("Surface"), "primary hit of each pixel, through its centre");
+        io.optionalInput("motion", motion_, image(2), "where the point was in the frame before, minus where it is, in pixels");
+        io.optionalInput("previous_surface", previousSurface_, perPixel<Hit>("Surface"),
+                         "the surface one frame ago: prev(\"gbuffer.surface\")");
+        io.optionalInput("history", history_, reservoir, "the output reservoirs, one frame ago: prev(\"direct.reservoirs\")");
+        io.output("radiance", radiance_, image(3),
+                  "direct light scattered to the camera through lobes that are not deltas, W/sr/m^2");
+        io.output("reservoirs", reservoirs_, reservoir, "the light point that each pixel ends the frame with");
+        io.knob("candidates", candidates_, 1, 1024, "light points drawn a pixel");
+        io.knob("bsdf_candidates", bsdfCandidates_, 0, 16, "light points that scattering finds, drawn a pixel");
+        io.knob("temporal", temporal_, "merge with the pixel of the frame before");
+        io.knob("cap", cap_, 1, 1000, "confidence of the history, at most, in candidate sets");
+        io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
+        io.knob("neighbours", neighbours_, 1, MAX_NEIGHBOURS, "pixels drawn in one round");
+        io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines; never below 3 pixels of this one");
+        io.choice("mis", mis_, {"pairwise", "balance"}, "weights of spatial reuse: pairwise takes 2 n shadow rays, balance n (n + 1)");
+        io.knob("normal_threshold", normalThreshold_, -1, 1, "least cosine between the shading normals of merged pixels");
+        io.knob("depth_threshold", depthThreshold_, 0, 1000, "most relative difference of their distances from the camera");
+        io.choice("fault", fault_, FAULTS, "for tests only: build this mistake in, the picture is wrong");
+        io.structural();
+    }
+
+    void build(Device& device) override
+    {
+        device_ = &device;
+        const auto fault = std::find(FAULTS.begin(), FAULTS.end(), fault_) - FAULTS.begin();
+        const Defines defines = {{"RESTIRPG_FAULT", std::to_string(fault) + "u"}};
+        candidatesKernel_ = Kernel(device, passFile("Candidates.comp"), defines);
+        temporalKernel_ = Kernel(device, passFile("Temporal.comp"), defines);
+        spatialKernel_ = Kernel(device, passFile("Spatial.comp"), defines);
+        shadeKernel_ = Kernel(device, passFile("Shade.comp"), defines);
+    }
+
+    void record(Frame& frame) override
+    {
+        const int temporalInputs = int(bool(motion_)) + int(bool(previousSurface_)) + int(bool(history_));
+        if (temporalInputs != 0 && temporalInputs != 3)
+            fail("ReSTIRDI: temporal reuse needs all of motion, previous_surface and history; wire them all or none");
+        ReSTIRDIParameters parameters = parametersOf(frame);
+        // Rounds write alternately into the two buffers, the last one into the output.
+        std::array<Address, 2> buffers = {outputReservoirs(frame), rounds_ > 0 ? scratch(frame, 1) : 0};
+        uint32_t current = rounds_ % 2;
+        parameters.reservoirs = buffers[current];
+        frame.dispatchPixels(candidatesKernel_, parameters);
+        if (temporal_ && history_ && !history_.empty)
+            frame.dispatchPixels(temporalKernel_, parameters);
+        for (parameters.round = 0; parameters.round < rounds_; ++parameters.round) {
+            parameters.source = buffers[current];
+            current ^= 1;
+            parameters.reservoirs = buffers[current];
+            frame.dispatchPixels(spatialKernel_, parameters);
+        }
+        if (radiance_)
+            frame.dispatchPixels(shadeKernel_, parameters);
+    }
+
+private:
+    ReSTIRDIParameters parametersOf(const Frame& frame) const
+    {
+        ReSTIRDIParameters parameters{};
+        parameters.frame = frame.constants();
+        parameters.surface = surface_->address();
+        parameters.previousSurface = addressOf(previousSurface_);
+        parameters.motion = addressOf(motion_);
+        parameters.history = addressOf(history_);
+        parameters.radiance = addressOf(radiance_);
+        parameters.candidates = candidates_;
+        parameters.bsdfCandidates = bsdfCandidates_;
+        parameters.neighbours = neighbours_;
+        parameters.pairwise = mis_ == "pairwise";
+        parameters.cap = float(cap_);
+        parameters.radius = std::max(LEAST_RADIUS, radius_ * float(frame.height()) / RADIUS_LINES);
+        parameters.normalThreshold = normalThreshold_;
+        parameters.depthThreshold = depthThreshold_;
+        return parameters;
+    }
+
+    /// A buffer of the pass's own of one reservoir a pixel, of this frame's size.
+    Address scratch(const Frame& frame, size_t index)
+    {
+        const uint64_t bytes = sizeof(LightReservoir) * uint64_t(frame.width()) * frame.height();
+        if (!scratch_[index] || scratch_[index].bytes() != bytes)
+            scratch_[index] = device_->createBuffer(bytes, "ReSTIRDI scratch");
+        return scratch_[index].address();
+    }
+
+    /// The output port, or a buffer of the pass's own when nobody reads it.
+    Address outputReservoirs(const Frame& frame) { return reservoirs_ ? reservoirs_->address() : scratch(frame, 0); }
+
+    In<Buffer> surface_, motion_, previousSurface_, history_;
+    Out<Buffer> radiance_, reservoirs_;
+    uint32_t candidates_ = 32;
+    uint32_t bsdfCandidates_ = 1;
+    bool temporal_ = true;
+    uint32_t cap_ = 20;
+    uint32_t rounds_ = 1;
+    uint32_t neighbours_ = 5;
+    float radius_ = 30;
+    std::string mis_ = "pairwise";
+    float normalThreshold_ = 0.5f;
+    float depthThreshold_ = 0.1f;
+    std::string fault_ = "none";
+    Device* device_ = nullptr;
+    Kernel candidatesKernel_, temporalKernel_, spatialKernel_, shadeKernel_;
+    std::array<Buffer, 2> scratch_;
+};
+
+RESTIRPG_PASS(ReSTIRDI, "Direct light by resampling light points over candidates, frames and neighbouring pixels, without bias")
+
+}  // namespace restirpg

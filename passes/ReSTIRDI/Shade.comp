@@ -1,0 +1,23 @@
+// The light that each reservoir's point sends to the camera. Every merge has seen the point lit from this pixel: no ray is needed.
+#version 460
+#include "prelude.glsl"
+#include "merge.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform Push { ReSTIRDIParameters params; };
+
+void main()
+{
+    frame = FrameRef(params.frame);
+    uvec2 at = gl_GlobalInvocationID.xy;
+    if (any(greaterThanEqual(at, frame.c.size)))
+        return;
+    uint pixel = at.y * frame.c.size.x + at.x;
+    LightReservoir r = LightReservoirArray(params.reservoirs).at[pixel];
+    vec3 radiance = vec3(0.0);
+    if (r.ucw > 0.0) {
+        ShadingPoint p = load_domain(HitArray(params.surface).at[pixel], false);
+        radiance = r.ucw * direct_contribution(p, connect(r.point, p.position, false));
+    }
+    Vec3Image(params.radiance).at[pixel] = radiance;
+}

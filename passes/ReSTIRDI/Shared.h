@@ -1,0 +1,42 @@
+// Parameters of ReSTIRDI's kernels, and the mistakes that tests build in.
+#ifndef RESTIRPG_RESTIR_DI_SHARED_H
+#define RESTIRPG_RESTIR_DI_SHARED_H
+#include "shaders/frame_types.h"
+#include "shaders/light_reservoir_types.h"
+RESTIRPG_SHARED
+
+/// Neighbours that one pixel can merge in one round: the arrays of merge.glsl have this length.
+RESTIRPG_CONST MAX_NEIGHBOURS = 16u;
+
+// Values of RESTIRPG_FAULT, in the order of the knob's choices.
+RESTIRPG_CONST FAULT_NONE = 0u;
+RESTIRPG_CONST FAULT_VISIBILITY = 1u;  ///< targets of the other pixels' domains are weighed without their shadow ray
+RESTIRPG_CONST FAULT_CAP = 2u;  ///< the confidence cap is forgotten in one of the two places that use it
+RESTIRPG_CONST FAULT_CONFIDENCE = 3u;  ///< an occluded candidate no longer counts in M
+RESTIRPG_CONST FAULT_LIGHT_MEASURE = 4u;  ///< solid-angle targets for points that keep their area measure
+RESTIRPG_CONST FAULT_PREVIOUS_CAMERA = 5u;  ///< the previous pixel's target is taken from today's camera
+RESTIRPG_CONST FAULT_MIXTURE = 6u;  ///< BSDF candidates are left out of the candidates' density
+
+/// Push constants of every kernel of the pass; each reads what it needs.
+struct ReSTIRDIParameters {
+    Address frame;  ///< FrameConstants
+    Address surface;  ///< Hit a pixel
+    Address previousSurface;  ///< Hit a pixel, of the frame before
+    Address motion;  ///< vec2 a pixel
+    Address history;  ///< LightReservoir a pixel, of the frame before
+    Address source;  ///< LightReservoir a pixel, read by Spatial.comp
+    Address reservoirs;  ///< LightReservoir a pixel, written; Temporal.comp and Shade.comp read it too
+    Address radiance;  ///< vec3 a pixel
+    uint candidates;  ///< light candidates a pixel
+    uint bsdfCandidates;
+    uint round;  ///< of spatial reuse
+    uint neighbours;  ///< drawn in one round
+    uint pairwise;  ///< 1: pairwise MIS, 0: balance heuristic
+    float cap;  ///< confidence of the history, in candidate sets
+    float radius;  ///< of the disk of neighbours, pixels
+    float normalThreshold;  ///< least cosine between normals of merged pixels
+    float depthThreshold;  ///< most relative difference of their distances from the camera
+};
+
+RESTIRPG_SHARED_END
+#endif

@@ -1,0 +1,30 @@
+// One round of merging the pixel's reservoir with those of pixels around it.
+#version 460
+#include "prelude.glsl"
+#include "participants.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform Push { ReSTIRDIParameters params; };
+
+void main()
+{
+    frame = FrameRef(params.frame);
+    uvec2 at = gl_GlobalInvocationID.xy;
+    if (any(greaterThanEqual(at, frame.c.size)))
+        return;
+    uint pixel = at.y * frame.c.size.x + at.x;
+    Hit hit = HitArray(params.surface).at[pixel];
+    LightReservoir r = LightReservoirArray(params.source).at[pixel];
+    if (hit.instance != INVALID_INDEX) {
+        merge.surfaces = HitArray(params.surface);
+        merge.reservoirs = LightReservoirArray(params.source);
+        merge.previous = false;
+        merge.pairwise = params.pairwise != 0u;
+        begin_merge(load_domain(hit, false), r);
+        RandomKey key = direct_key(at);
+        add_around(params, key, at, hit);
+        if (merge.count > 0u)
+            r = merge_reservoirs(key, params.round);
+    }
+    LightReservoirArray(params.reservoirs).at[pixel] = r;
+}

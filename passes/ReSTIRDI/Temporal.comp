@@ -1,0 +1,30 @@
+// Merges the pixel's reservoir with that of the pixel that showed the same surface in the frame before.
+#version 460
+#include "prelude.glsl"
+#include "participants.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform Push { ReSTIRDIParameters params; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vec2Array { vec2 at[]; };
+
+void main()
+{
+    frame = FrameRef(params.frame);
+    uvec2 at = gl_GlobalInvocationID.xy;
+    if (any(greaterThanEqual(at, frame.c.size)))
+        return;
+    uint pixel = at.y * frame.c.size.x + at.x;
+    Hit hit = HitArray(params.surface).at[pixel];
+    if (hit.instance == INVALID_INDEX)
+        return;
+    LightReservoirArray reservoirs = LightReservoirArray(params.reservoirs);
+    merge.surfaces = HitArray(params.previousSurface);
+    merge.reservoirs = LightReservoirArray(params.history);
+    merge.previous = true;
+    merge.pairwise = false;  // of two participants, the balance heuristic costs no more
+    begin_merge(load_domain(hit, false), reservoirs.at[pixel]);
+    RandomKey key = direct_key(at);
+    add_previous(params, key, at, hit, Vec2Array(params.motion).at[pixel]);
+    if (merge.count > 0u)
+        reservoirs.at[pixel] = merge_reservoirs(key, TEMPORAL_ROUND);
+}

@@ -1,0 +1,167 @@
+// Merging reservoirs of several pixels into one: generalised resampled importance sampling with light points that are shared as
+// they are.  [Lin et al. 2022, "Generalized Resampled Importance Sampling"; MIS weights: ALGORITHMS 6.7]
+//
+// The participants are the centre (the pixel itself) and its neighbours (other pixels of this frame, or one of the frame before). A
+// participant's domain is its surface as its own camera sees it; its target is the luminance that a point sends to the camera
+// there, shadow ray included. Which pixels take part depends on the G-buffer alone, never on what their reservoirs hold.
+#ifndef RESTIRPG_RESTIR_DI_MERGE_GLSL
+#define RESTIRPG_RESTIR_DI_MERGE_GLSL
+
+#include "Shared.h"
+#include "light_reservoir.glsl"
+
+#ifndef RESTIRPG_FAULT
+#define RESTIRPG_FAULT FAULT_NONE
+#endif
+
+/// XORed into the seed: no number of this pass is one of another pass.
+const uint RANDOM_STREAM_DIRECT = 0x7f4a7c15u;
+// First addresses of what the numbers decide; candidate i has address i.
+const uint RANDOM_RESAMPLING = 11u;  ///< dimension of a candidate: is it kept?
+const uint RANDOM_MERGE = 0x10000u;  ///< + round: which reservoir a merge keeps
+const uint RANDOM_PARTICIPANTS = 0x20000u;  ///< + round: which pixels take part
+const uint TEMPORAL_ROUND = 0xffffu;
+
+RandomKey direct_key(uvec2 at)
+{
+    return random_key(at, frame.c.frame, frame.c.seed ^ RANDOM_STREAM_DIRECT);
+}
+
+/// Holder of a point: neighbour 0 ... count - 1, or the centre.
+const uint CENTRE = MAX_NEIGHBOURS;
+
+/// Who takes part in the merge. In private memory, because GLSL passes structs by value.
+struct Merge {
+    ShadingPoint centre;
+    LightReservoir own;  ///< the centre's
+    uint count;  ///< neighbours
+    uint pixel[MAX_NEIGHBOURS];
+    float confidence[MAX_NEIGHBOURS];
+    float total;  ///< confidence of all participants
+    HitArray surfaces;  ///< of the neighbours' frame
+    LightReservoirArray reservoirs;  ///< of the neighbours
+    bool previous;  ///< the neighbours are of the frame before
+    bool pairwise;
+};
+Merge merge;
+
+void begin_merge(ShadingPoint centre, LightReservoir own)
+{
+    merge.centre = centre;
+    merge.own = own;
+    merge.count = 0u;
+    merge.total = own.confidence;
+}
+
+void add_neighbour(uint pixel, float confidence)
+{
+    merge.pixel[merge.count] = pixel;
+    merge.confidence[merge.count] = confidence;
+    merge.count += 1u;
+    merge.total += confidence;
+}
+
+/// The surface of a pixel, shaded for the camera of its frame.
+ShadingPoint load_domain(Hit hit, bool previous)
+{
+    Surface s = load_surface(hit, previous);
+    bool before = previous && RESTIRPG_FAULT != FAULT_PREVIOUS_CAMERA;
+    vec3 camera = before ? frame.c.previousCamera.position : frame.c.camera.position;
+    return shade_surface(s, normalize(camera - s.position));
+}
+
+/// The edge from a domain's surface point x to a light point.
+LightEdge connect(LightPoint y, vec3 x, bool previous)
+{
+    LightEdge e = edge_to_light(y, x, previous);
+    if (RESTIRPG_FAULT == FAULT_LIGHT_MEASURE && e.jacobian > 0.0) {
+        e.light_pdf /= e.jacobian;
+        e.jacobian = 1.0;
+    }
+    return e;
+}
+
+/// The target of a domain: p^(y) V(y).
+float evaluate_target(ShadingPoint p, LightPoint y, bool previous, bool shadow_ray)
+{
+    LightEdge e = connect(y, p.position, previous);
+    float target = luminance(direct_contribution(p, e));
+    return target > 0.0 && (!shadow_ray || is_lit(p, e)) ? target : 0.0;
+}
+
+float target_at_centre(LightPoint y)
+{
+    return evaluate_target(merge.centre, y, false, true);
+}
+
+float target_at_neighbour(uint j, LightPoint y)
+{
+    ShadingPoint p = load_domain(merge.surfaces.at[merge.pixel[j]], merge.previous);
+    return evaluate_target(p, y, merge.previous, RESTIRPG_FAULT != FAULT_VISIBILITY);
+}
+
+/// Generalised balance heuristic: confidence times target, over the sum of that of all participants. `own`: the holder's.
+float balance_weight(float own, float here, uint holder, LightPoint y)
+{
+    float sum = own;
+    if (holder != CENTRE)
+        sum += merge.own.confidence * here;
+    for (uint j = 0u; j < merge.count; ++j)
+        if (j != holder)
+            sum += merge.confidence[j] * target_at_neighbour(j, y);
+    return own / sum;
+}
+
+/// A neighbour's share against the centre alone, all neighbours' confidence put on its side.
+float pairwise_share(float there, float here)
+{
+    float a = (merge.total - merge.own.confidence) * there;
+    return a / (a + merge.own.confidence * here);
+}
+
+/// MIS weight of neighbour j for its point y, of target `there` in its own domain and `here` (> 0) at the centre.
+float neighbour_weight(uint j, LightPoint y, float there, float here)
+{
+    if (merge.pairwise)
+        return merge.confidence[j] / merge.total * pairwise_share(there, here);
+    bool uncapped = RESTIRPG_FAULT == FAULT_CAP;
+    float confidence = uncapped ? merge.reservoirs.at[merge.pixel[j]].confidence : merge.confidence[j];
+    return balance_weight(confidence * there, here, j, y);
+}
+
+/// MIS weight of the centre for its point y, of target `here` (> 0). Pairwise: its own part, and what each neighbour leaves to it.
+float centre_weight(LightPoint y, float here)
+{
+    if (!merge.pairwise)
+        return balance_weight(merge.own.confidence * here, here, CENTRE, y);
+    float weight = merge.own.confidence / merge.total;
+    for (uint j = 0u; j < merge.count; ++j)
+        weight += merge.confidence[j] / merge.total * (1.0 - pairwise_share(target_at_neighbour(j, y), here));
+    return weight;
+}
+
+/// The merged reservoir.
+LightReservoir merge_reservoirs(RandomKey key, uint round)
+{
+    LightReservoir kept = merge.own;
+    kept.confidence = merge.total;
+    float sum = 0.0;
+    if (merge.own.ucw > 0.0)
+        sum = centre_weight(kept.point, kept.target) * kept.target * kept.ucw;
+    for (uint j = 0u; j < merge.count; ++j) {
+        LightReservoir r = merge.reservoirs.at[merge.pixel[j]];
+        float here = r.ucw > 0.0 ? target_at_centre(r.point) : 0.0;
+        if (here <= 0.0)
+            continue;
+        float weight = neighbour_weight(j, r.point, r.target, here) * here * r.ucw;
+        sum += weight;
+        if (random1(key, RANDOM_MERGE + round, j) * sum < weight) {
+            kept.point = r.point;
+            kept.target = here;
+        }
+    }
+    kept.ucw = sum > 0.0 ? sum / kept.target : 0.0;
+    return kept;
+}
+
+#endif
