@@ -11,6 +11,7 @@ where it stopped. Exit code: 0; 1 when a run failed (the others are reported); 2
 """
 
 import argparse
+import os
 import sys
 import time
 from pathlib import Path
@@ -62,7 +63,7 @@ def parse(arguments):
     add("--cache", help="folder of finished runs (OUT/cache)")
     add("--self-test", action="store_true",
         help="measure the harness: false alarms between equal methods, power to find a 1%% error of energy")
-    add("--trials", type=positive, default=100, help="of the self-test (%(default)s)")
+    add("--trials", type=positive, default=60, help="of the self-test (%(default)s)")
     return parser.parse_args(arguments)
 
 
@@ -111,7 +112,8 @@ def main(arguments):
     try:
         render.find_package()
         cache = Cache(options.cache or Path(options.out) / "cache")
-        with Pool(cache.folder, options.jobs) as pool:
+        # Nothing is timed in the self-test, and most of a small run is one core's work.
+        with Pool(cache.folder, os.cpu_count() if options.self_test else options.jobs) as pool:
             return (selftest.run if options.self_test else compare)(options, cache, pool, display)
     except UserError as error:
         display.stop()
@@ -119,7 +121,7 @@ def main(arguments):
         return 2
     except OSError as error:
         display.stop()
-        print(f"compare.py: {error.filename}: {error.strerror}; choose another folder with --out", file=sys.stderr)
+        print(f"compare.py: {error}; choose another folder with --out", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         display.stop()

@@ -1,6 +1,6 @@
 """From runs to findings: the numbers that the tables, the plots and the report show."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -30,7 +30,7 @@ class MethodFindings:
     memory: dict  # resource -> bytes
     against: dict  # (metric, "frame" or "time") -> paired Test against the baseline; the baseline itself: empty
     images: dict  # "image" (first seed), "mean" (of all seeds), "frame" (first seed's last frame alone)
-    adjusted: dict = None  # as `against`, and "bias", "blocks" -> p-value corrected over the whole comparison
+    adjusted: dict = field(default_factory=dict)  # as `against`, and "bias", "blocks" -> corrected p-value
 
 
 @dataclass
@@ -45,27 +45,28 @@ class SceneFindings:
     descriptions: dict
     warnings: list
     seeds: int
-    tests: int = 0  # in each family
+    bias_tests: int = 1  # in the family that the smallest detectable bias is corrected for
 
 
 def analyse(scene_runs):
-    """Findings of every scene, with p-values corrected over all scenes and methods together (Holm)."""
+    """Findings of every scene. p-values are corrected (Holm) in two families, each over all scenes and methods: the
+    comparisons with the baseline, and the tests of bias."""
     findings = [_scene(runs) for runs in scene_runs if runs.runs]
-    for kind in [(metric, mode) for metric in METRICS for mode in ("frame", "time")]:
-        _correct(findings, kind, lambda method: method.against[kind].p if method.against else np.nan)
-    _correct(findings, "bias", lambda method: method.bias.p)
-    _correct(findings, "blocks", _smallest_block_p)
+    methods = [method for scene in findings for method in scene.methods]
+    _correct([(method, kind, test.p) for method in methods for kind, test in method.against.items()])
+    tests = _correct([entry for method in methods
+                      for entry in ((method, "bias", method.bias.p), (method, "blocks", _smallest_block_p(method)))])
+    for scene in findings:
+        scene.bias_tests = tests
     return findings
 
 
-def _correct(findings, kind, p_value):
-    methods = [method for scene in findings for method in scene.methods]
-    p_values = [p_value(method) for method in methods]
-    for method, adjusted in zip(methods, st.holm(p_values)):
-        method.adjusted = {**(method.adjusted or {}), kind: float(adjusted)}
-    if kind == "bias":
-        for scene in findings:
-            scene.tests = int(np.sum(~np.isnan(p_values)))
+def _correct(family):
+    """Set `adjusted` from a family of (method, kind, p-value); returns how many of them are tests."""
+    p_values = [p for _, _, p in family]
+    for (method, kind, _), adjusted in zip(family, st.holm(p_values)):
+        method.adjusted[kind] = float(adjusted)
+    return int(np.sum(~np.isnan(p_values)))
 
 
 def _smallest_block_p(method):

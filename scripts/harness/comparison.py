@@ -46,7 +46,7 @@ class Comparison:
         self.failures = []  # one line each
         self.device = {}
         self._pool = pool
-        self._display = display
+        self.display = display
         labels = ["reference", *(method.label for method in settings.methods)]
         for label in labels:
             if labels.count(label) > 1:
@@ -121,16 +121,16 @@ class Comparison:
         settings, results = self.settings, []
         for plan in self.plans:
             plan["jobs"] = [replace(job, seed=seed) for seed in self.seeds() for job in plan["methods"]]
-        self._display.start(sum(cost(job) for plan in self.plans for job in plan["batches"] + plan["jobs"]))
+        self.display.start(sum(cost(job) for plan in self.plans for job in plan["batches"] + plan["jobs"]))
         for plan in self.plans:
             key, truth = self._reference(plan)
             if truth is None:
-                self._display.skip(sum(cost(job) for job in plan["jobs"]))
+                self.display.skip(sum(cost(job) for job in plan["jobs"]))
                 continue
             jobs = [replace(job, reference=key) for job in plan["jobs"]]
             self.render(jobs)
             results.append(self._collect(plan, truth, jobs))
-        self._display.stop()
+        self.display.stop()
         return results
 
     def _reference(self, plan):
@@ -139,7 +139,7 @@ class Comparison:
         batches = plan["batches"]
         key = reference.key_of_batches(batches)
         if truth := self.cache.load(key):
-            self._display.skip(sum(cost(job) for job in batches))
+            self.display.skip(sum(cost(job) for job in batches))
             return key, truth
         if self.render(batches):
             self.failures.append(f"{plan['scene']}: left out: its reference failed")
@@ -149,14 +149,14 @@ class Comparison:
     def render(self, jobs):
         """Run the jobs that are not in the cache; returns how many failed, each already reported."""
         missing = [job for job in jobs if not self.cache.path(job.key).exists() or self.cache.load(job.key) is None]
-        self._display.skip(sum(cost(job) for job in jobs) - sum(cost(job) for job in missing))
+        self.display.skip(sum(cost(job) for job in jobs) - sum(cost(job) for job in missing))
         failed = 0
-        for job, failure, _ in self._pool.run(missing, on_tick=lambda job, frames: self._display.advance(
+        for job, failure, _ in self._pool.run(missing, on_tick=lambda job, frames: self.display.advance(
                 frames * cost(job) / job.frames, f"{job.label} on {job.scene}")):
             if failure:
                 failed += 1
                 self.failures.append(f"{job.scene}, {job.label}, seed {job.seed}: {failure}")
-                self._display.message(f"failed: {self.failures[-1]}")
+                self.display.message(f"failed: {self.failures[-1]}")
         return failed
 
     def _collect(self, plan, truth, jobs):

@@ -3,6 +3,7 @@
 import io
 
 import matplotlib
+import matplotlib.ticker
 import numpy as np
 
 from harness import statistics as st
@@ -35,33 +36,38 @@ def _curve(axes, x, values, colour, label):
         axes.fill_between(x, mean - se, mean + se, color=colour, alpha=0.25, linewidth=0)
 
 
+def _frame_axis(axes):
+    axes.set_xscale("log", base=2)
+    axes.xaxis.set_major_formatter(matplotlib.ticker.ScalarFormatter())
+    axes.set_xlabel("frames")
+
+
 def error_curves(scene, metric, over):
     """A metric over "frames" or "time" (GPU seconds), log-log; bands are one standard error over seeds."""
-    figure, axes = pyplot.subplots(figsize=(4.8, 3.2))
+    figure, axes = pyplot.subplots(figsize=(4.15, 3.0))
     positive = True
     for number, method in enumerate(scene.methods):
         x = method.frames if over == "frames" else method.gpu_ms.mean(axis=0) / 1e3
         _curve(axes, x, method.curves[metric], COLOURS[number % len(COLOURS)], method.label)
         positive &= bool(np.all(method.curves[metric].mean(axis=0) > 0))
-    axes.set_xscale("log")
+    _frame_axis(axes) if over == "frames" else axes.set_xscale("log")
     axes.set_yscale("log" if positive else "linear")
-    axes.set_xlabel("frames" if over == "frames" else "GPU time, s")
-    axes.set_ylabel(TITLES[metric])
     if over == "time":
+        axes.set_xlabel("GPU time, s")
         axes.axvline(scene.common_ms / 1e3, color="#888", linestyle=":", linewidth=1)
+    axes.set_ylabel(TITLES[metric])
     axes.legend()
     return _svg(figure)
 
 
 def bias_curves(scene):
     """Signed bias of the mean over frames, in percent, with the reference's own 95% band in grey."""
-    figure, axes = pyplot.subplots(figsize=(4.8, 3.2))
+    figure, axes = pyplot.subplots(figsize=(4.15, 3.0))
     for number, method in enumerate(scene.methods):
         _curve(axes, method.frames, 100 * method.curves["bias"], COLOURS[number % len(COLOURS)], method.label)
     band = 196 * scene.noise["relative_se"]
     axes.axhspan(-band, band, color="#888", alpha=0.2, linewidth=0, label="reference ± 95%")
-    axes.set_xscale("log")
-    axes.set_xlabel("frames")
+    _frame_axis(axes)
     axes.set_ylabel(f"{TITLES['bias']}, %")
     axes.legend()
     return _svg(figure)
@@ -74,7 +80,7 @@ def _stacked_bars(rows, unit, most=10):
         for name, value in parts.items():
             totals[name] = totals.get(name, 0) + value
     shown = sorted((name for name in totals if totals[name] > 0), key=totals.get, reverse=True)[:most]
-    figure, axes = pyplot.subplots(figsize=(9.8, 1.2 + 0.4 * len(rows)))
+    figure, axes = pyplot.subplots(figsize=(12.5, 1.2 + 0.4 * len(rows)))
     left = np.zeros(len(rows))
     colours = matplotlib.colormaps["tab20"].colors
     for number, name in enumerate([*shown, "other"]):

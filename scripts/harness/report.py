@@ -36,7 +36,7 @@ def _viewer_data(scene, kinds):
     truth = scene.reference["mean"].astype(float)
     y = st.luminance(truth)
     error = np.array([np.abs(method.images["image"] - truth) / (0.01 * y.mean() + y)[..., None] for method in scene.methods])
-    exposure = -float(np.log2(max(np.percentile(y, 90), 1e-6))) - 0.5
+    exposure = -float(np.log2(max(np.percentile(y, 90), 1e-6))) - 1
     pictures = [{"label": "reference", "image": _half(truth)}]
     pictures += [{"label": method.label, **{kind: _half(method.images[kind]) for kind in kinds}} for method in scene.methods]
     return {"width": truth.shape[1], "height": truth.shape[0], "floor": 0.01 * float(y.mean()), "exposure": round(exposure, 1),

@@ -46,17 +46,16 @@ def verdict(method, baseline, metric, mode):
 
 
 def is_significant(text):
-    """Whether a verdict or bias cell claims a difference."""
+    """Whether a cell claims a difference."""
     return any(word in text for word in ("lower (", "higher (", "biased ("))
 
 
-def bias_cell(method):
-    """The signed bias of the picture's mean, and whether it or any block's differs from none."""
-    text = with_error(method.bias.difference, method.bias.se, 100, "%")
+def bias_verdict(method):
+    """Whether the bias of the picture's mean differs from none."""
     p = method.adjusted["bias"]
     if math.isnan(p):
-        return f"{text} not tested"
-    return f"{text} {'biased' if p < st.LEVEL else 'none found'} (p = {max(p, 1e-99):.1g})"
+        return "not tested"
+    return f"{'biased' if p < st.LEVEL else 'none found'} (p = {max(p, 1e-99):.1g})"
 
 
 def block_cell(method):
@@ -96,10 +95,10 @@ def equal_tables(scene):
 
 def quality_table(scene):
     """(title, header, rows) of bias and correlation."""
-    header = ["method", "bias of the mean", "smallest detectable", "8×8 blocks", "blotches, one frame",
+    header = ["method", "bias of the mean", "tested", "smallest detectable", "8×8 blocks", "blotches, one frame",
               "blotches, picture", "boiling, lag 1"]
-    rows = [[method.label, bias_cell(method),
-             f"{100 * method.bias.smallest_detectable(max(1, scene.tests)):.2g}%" if method.bias.dof else "—",
+    rows = [[method.label, with_error(method.bias.difference, method.bias.se, 100, "%"), bias_verdict(method),
+             f"{100 * method.bias.smallest_detectable(scene.bias_tests):.2g}%" if method.bias.dof else "—",
              block_cell(method), with_error(*method.spatial_frame), with_error(*method.spatial_image),
              with_error(*method.temporal)] for method in scene.methods]
     return "Bias and correlation", header, rows
@@ -132,7 +131,7 @@ def as_text(findings, width=None):
                 table.add_row(*row)
             console.print(table, highlight=False)
     console.print(f"Errors are ± one standard error over seeds. Tests are paired by seed; words are at {100 * st.LEVEL:.0f}% "
-                  "over the whole family (Holm).", highlight=False)
+                  "over all methods and scenes (Holm).", highlight=False)
     return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
 
 
@@ -165,9 +164,9 @@ def write_csv(findings, folder):
             row = [scene.scene, method.label, f"{scene.common_ms:.6g}"]
             for mode, values in (("frame", method.equal_frame), ("time", method.equal_time)):
                 for metric in METRICS:
-                    row += [*values[metric], method.adjusted[metric, mode]]
+                    row += [*values[metric], method.adjusted.get((metric, mode), float("nan"))]
             row += [method.bias.difference, method.bias.se, method.adjusted["bias"],
-                    method.bias.smallest_detectable(max(1, scene.tests)), method.adjusted["blocks"], *method.spatial_frame,
+                    method.bias.smallest_detectable(scene.bias_tests), method.adjusted["blocks"], *method.spatial_frame,
                     *method.spatial_image, *method.temporal]
             rows.append([value if isinstance(value, str) else f"{float(value):.9g}" for value in row])
     _write(folder / "summary.csv", header, rows)

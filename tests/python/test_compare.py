@@ -1,0 +1,200 @@
+"""scripts/compare.py from end to end on the fake renderer: findings, cache, interruptions, failures, mistakes."""
+
+import csv
+import importlib.util
+import os
+import signal
+import subprocess
+import time
+
+import numpy as np
+import pytest
+from harness_runs import ENVIRONMENT, ROOT, arguments, compare, tables, write_graph
+
+from harness import selftest, statistics
+from harness.jobs import Job, parse_method, seed_of
+
+
+def summary(folder, out="out"):
+    """summary.csv: method -> {column: value}."""
+    with open(folder / out / "summary.csv") as file:
+        return {row["method"]: row for row in csv.DictReader(file)}
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A comparison of three methods with known differences."""
+    folder = tmp_path_factory.mktemp("compare")
+    methods = ["plain.json", "plain.json@noise=0.5,ms=8.75,label=quiet", "plain.json@blotch=4,memory=0.6,label=blotchy",
+               "plain.json@gain=1.05,label=bright"]
+    run = compare(folder, *methods, size="64x48", frames=16, seeds=8)
+    assert run.returncode == 0, run.stderr
+    return folder, run
+
+
+def test_errors_are_those_of_the_known_noise(finished):
+    # relMSE of n frames of variance s^2: s^2 / n times the mean of T^2 / (T^2 + 0.01). Five standard errors.
+    spec = importlib.util.spec_from_file_location("fake", ROOT / "tests/python/fake_renderer/restirpg/__init__.py")
+    fake = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(fake)
+    truth = fake.truth(64, 48)
+    for method, noise in (("plain", 1), ("quiet", 0.5)):
+        row = summary(finished[0])[method]
+        expected = noise ** 2 / 16 * np.mean(truth ** 2 / (truth ** 2 + 0.01))
+        # The reference's own estimated variance (512 frames) is uncertain to 1%, a 30th of the error's.
+        assert abs(float(row["relmse_frame"]) - expected) < 5 * float(row["relmse_frame_se"]) + 0.002 * expected
+
+
+def test_equal_time_compares_at_the_time_of_the_fastest(finished):
+    # 2.25 ms a frame against 9 ms: half the noise at a quarter of the frames is the same error.
+    rows = summary(finished[0])
+    assert float(rows["quiet"]["common_gpu_ms"]) == pytest.approx(16 * 2.25)
+    ratio = float(rows["quiet"]["relmse_time"]) / float(rows["plain"]["relmse_time"])
+    assert ratio == pytest.approx(1, abs=0.1)
+    assert float(rows["quiet"]["relmse_frame_p"]) < 1e-6 < float(rows["quiet"]["relmse_time_p"])
+
+
+def test_bias_blotches_and_boiling_are_found_where_they_are_and_only_there(finished):
+    rows = summary(finished[0])
+    assert float(rows["bright"]["bias_p"]) < 0.01 < float(rows["plain"]["bias_p"])
+    assert float(rows["bright"]["bias"]) == pytest.approx(0.05, abs=5 * float(rows["bright"]["bias_se"]))
+    for column, blotchy in (("spatial_frame", 16), ("spatial_image", 16), ("temporal", 0.6)):
+        assert abs(float(rows["blotchy"][column]) - blotchy) < 5 * float(rows["blotchy"][column + "_se"])
+        plain = 0 if column == "temporal" else 1
+        assert abs(float(rows["plain"][column]) - plain) < 5 * float(rows["plain"][column + "_se"])
+    assert "biased" in finished[1].stdout and "smallest detectable" in finished[1].stdout
+
+
+def test_a_second_start_renders_nothing_and_prints_the_same(finished):
+    folder, first = finished
+    before = {path.name: path.stat().st_mtime_ns for path in (folder / "out/cache").glob("*.npz")}
+    again = subprocess.run(first.args, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True)
+    assert before == {path.name: path.stat().st_mtime_ns for path in (folder / "out/cache").glob("*.npz")}
+    assert again.stdout.split("out/report.html")[0] == first.stdout.split("out/report.html")[0]
+
+
+def interrupted(folder, sent, out):
+    """Start a comparison, send it a signal when a few runs are kept, return its exit code."""
+    process = subprocess.Popen(arguments(folder, *SLOW, out=out, **SLOW_OPTIONS), cwd=folder, env=ENVIRONMENT,
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+    while len(list((folder / out / "cache").glob("*.npz"))) < 8:
+        assert process.poll() is None, "it ended before it could be interrupted"
+        time.sleep(0.02)
+    os.killpg(process.pid, sent) if sent == signal.SIGINT else process.send_signal(sent)
+    return process.wait(30)
+
+
+SLOW = ["plain.json@sleep=0.02", "plain.json@noise=0.5,sleep=0.02,label=quiet"]
+SLOW_OPTIONS = {"reference_frames": 64, "reference_batches": 4}
+
+
+@pytest.mark.parametrize("sent, code", [(signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 130)])
+def test_an_interrupted_comparison_goes_on_to_the_same_tables(tmp_path, sent, code):
+    assert compare(tmp_path, *SLOW, out="whole", **SLOW_OPTIONS).returncode == 0
+    assert interrupted(tmp_path, sent, "cut") == code
+    kept = {path.name for path in (tmp_path / "cut/cache").glob("*.npz")}
+    assert compare(tmp_path, *SLOW, out="cut", **SLOW_OPTIONS).returncode == 0
+    assert kept < {path.name for path in (tmp_path / "cut/cache").glob("*.npz")}
+    assert tables(tmp_path, "cut") == tables(tmp_path, "whole")
+
+
+def test_a_damaged_result_is_rendered_again(tmp_path):
+    assert compare(tmp_path).returncode == 0
+    before = tables(tmp_path)
+    for path in (tmp_path / "out/cache").glob("*.npz"):
+        path.write_bytes(path.read_bytes()[:-100])
+    assert compare(tmp_path).returncode == 0
+    assert tables(tmp_path) == before
+
+
+@pytest.mark.parametrize("knob, words", [("crash_seed", "SIGSEGV"), ("fail_seed", "the device was lost")])
+def test_a_failed_run_is_reported_and_the_rest_goes_on(tmp_path, knob, words):
+    run = compare(tmp_path, "plain.json", f"plain.json@{knob}={seed_of(0, 'run', 2)},label=bad")
+    assert run.returncode == 1
+    assert words in run.stderr and run.stderr.count("failed:") == 2
+    assert "1 of 4 seeds are left out" in run.stdout
+    assert set(summary(tmp_path)) == {"plain", "bad"}
+    assert words in (tmp_path / "out/report.html").read_text()
+
+
+def test_one_seed_is_compared_but_not_tested(tmp_path):
+    run = compare(tmp_path, seeds=1)
+    assert run.returncode == 0, run.stderr
+    assert "not tested" in run.stdout and "lower (" not in run.stdout
+
+
+def test_a_picture_can_be_the_reference(tmp_path):
+    assert compare(tmp_path).returncode == 0
+    run = compare(tmp_path, out="other", reference="out/images/scene.reference.exr")
+    assert run.returncode == 0, run.stderr
+    assert "taken as exact" in run.stdout
+
+
+@pytest.mark.parametrize("methods, options, words", [
+    (["absent.py"], {}, "absent.py: no such graph file"),
+    (["plain.json@noise"], {}, "'noise' is not NAME=VALUE"),
+    (["plain.json@gian=2"], {}, "no pass has a knob 'gian'"),
+    (["plain.json@paths.gian=2"], {}, "no knob 'paths.gian'"),
+    (["plain.json@output=normal"], {}, "no output 'normal'; there are: image"),
+    (["plain.json", "plain.json"], {}, "two pictures would be called 'plain'"),
+    (["plain.json"], {"scenes": "absent.glb"}, "absent.glb: no such scene"),
+    (["plain.json"], {"scenes": "broken.glb"}, "broken.glb: not a scene"),
+    (["plain.json"], {"size": "12"}, "'12' is not WIDTHxHEIGHT"),
+    (["plain.json"], {"frames": "0"}, "'0' is not a whole number"),
+    (["plain.json"], {"reference": "plain.json"}, "plain.json: cannot be read"),
+    (["bad.json"], {}, "bad.json: not JSON"),
+    (["plain.json"], {"out": "plain.json"}, "choose"),
+])
+def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, methods, options, words):
+    (tmp_path / "broken.glb").touch()
+    (tmp_path / "bad.json").write_text("{")
+    run = compare(tmp_path, *methods, **options)
+    assert run.returncode == 2
+    lines = [line for line in run.stderr.splitlines() if not line.startswith(("usage:", " "))]
+    assert len(lines) == 1 and words in lines[0], run.stderr
+
+
+def test_a_job_is_named_by_its_content_alone():
+    job = Job(scene="a.glb", scene_hash="1", graph="g.py", description="{}", size=(8, 8), frames=2, seed=3, code="c")
+    same = Job(scene="b.glb", scene_hash="1", graph="h.py", description="{}", size=(8, 8), frames=2, seed=3, code="c", label="x")
+    assert job.key == same.key
+    others = [Job(**{**job.__dict__, name: value}) for name, value in
+              [("scene_hash", "2"), ("description", "[]"), ("size", (8, 9)), ("frames", 3), ("seed", 4), ("code", "d"),
+               ("knobs", (("a", 1),)), ("bounces", 2), ("environment", "1,1,1"), ("reference", "r"), ("backend", "rayquery")]]
+    assert len({job.key, *(other.key for other in others)}) == 1 + len(others)
+
+
+def test_settings_of_a_method_keep_their_types(tmp_path):
+    graph = tmp_path / write_graph(tmp_path)
+    method = parse_method(f"{graph}@paths.nee=false,bounces=3,alpha=0.5,fit=em,backend=rayquery,label=A B")
+    assert method.knobs == (("paths.nee", False), ("bounces", 3), ("alpha", 0.5), ("fit", "em"))
+    assert (method.label, method.backend) == ("A B", "rayquery")
+
+
+def test_the_harness_passes_its_self_test(tmp_path):
+    # Null hypothesis: no more than 5% of trials between equal methods claim a difference. The rate aimed at is 2%: of 60
+    # trials more than 3 alarm with a probability of 3%; base seed and outcome are fixed.
+    run = subprocess.run([*arguments(tmp_path, "plain.json"), "--self-test"], cwd=tmp_path, env=ENVIRONMENT,
+                         capture_output=True, text=True)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert "found in 10 of 10 trials" in run.stdout and "smallest detectable bias is" in run.stdout
+
+
+def test_the_self_test_fails_when_equal_methods_differ(tmp_path, monkeypatch):
+    # The injected error: a test that takes the standard error for a third of what it is.
+    random = np.random.default_rng(6)
+    truth = {"mean": np.ones((32, 32, 3), np.float32), "variance": np.zeros((32, 32, 3)), "luminance_variance": np.array(0.0),
+             "batch_means": np.array([1.0]), "batch_blocks": np.ones((1, 4, 4)), "meta": {}}
+
+    def result():
+        image = random.normal(1, 0.1, (32, 32, 3)).astype(np.float32)
+        curve = np.full(2, np.abs(image - 1).mean())
+        return {"image": image, "frame": image, "frames": np.array([1, 2]), "mape": curve, "relmse": curve ** 2, "bias": curve,
+                "gpu_ms": np.array([1.0, 2.0]), "wall_ms": np.array([1.0, 2.0]), "temporal": np.zeros(4),
+                "meta": {"passes": {}, "memory": {}}}
+
+    results = [result() for _ in range(2 * selftest.SEEDS * 40)]
+    assert len(selftest._false_alarms(truth, results, 40)[0]) <= 2
+    honest = statistics._t_test
+    monkeypatch.setattr(statistics, "_t_test", lambda difference, se, dof: honest(difference, se / 3, dof))
+    assert len(selftest._false_alarms(truth, results, 40)[0]) > 5

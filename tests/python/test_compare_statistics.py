@@ -1,0 +1,96 @@
+"""Statistics of the harness against closed forms, SciPy, and their own null distributions."""
+
+import harness_runs  # noqa: F401  (puts scripts/ on the path)
+import numpy as np
+import pytest
+from scipy import stats
+
+from harness import statistics as st
+from harness.render import TemporalSums
+
+
+def test_paired_and_welch_agree_with_scipy():
+    random = np.random.default_rng(1)
+    a, b = random.normal(1, 2, 9), random.normal(1.5, 3, 9)
+    assert st.paired(a, b).p == pytest.approx(stats.ttest_rel(a, b).pvalue)
+    assert st.welch(a, b[:5]).p == pytest.approx(stats.ttest_ind(a, b[:5], equal_var=False).pvalue)
+    assert st.welch(a, 1.2).p == pytest.approx(stats.ttest_1samp(a, 1.2).pvalue)
+    stack_a, stack_b = random.normal(0, 1, (7, 3, 4)), random.normal(0, 2, (5, 3, 4))
+    expected = stats.ttest_ind(stack_a, stack_b, equal_var=False).pvalue
+    np.testing.assert_allclose(st.welch_p_values(stack_a, stack_b), expected)
+
+
+def test_holm_gives_the_textbook_values_and_skips_what_was_not_tested():
+    np.testing.assert_allclose(st.holm([0.01, np.nan, 0.04, 0.03]), [0.03, np.nan, 0.06, 0.06])
+    assert st.holm([]).size == 0
+
+
+def test_holm_keeps_the_family_wise_error_at_its_level():
+    # 4,000 families of 20 true null hypotheses. At level 5% the count of families with an alarm is binomial with
+    # p <= 0.05: more than 4 standard deviations above has probability < 1e-4. Without correction it would be 64%.
+    p = np.random.default_rng(2).random((4000, 20))
+    alarms = sum((st.holm(family) < 0.05).any() for family in p)
+    assert alarms < 4000 * 0.05 + 4 * np.sqrt(4000 * 0.05 * 0.95)
+    assert (p < 0.05).any(axis=1).sum() > 2000
+
+
+def test_the_smallest_detectable_difference_is_found_with_the_promised_power():
+    # 4,000 samples of 10 whose mean differs from 0 by exactly that: found in 80%. The t approximation and the binomial
+    # error (0.6%) together stay within 4%.
+    random = np.random.default_rng(3)
+    se = 1 / np.sqrt(10)
+    difference = st.Test(0, se, 9, 1).smallest_detectable()
+    samples = random.normal(difference, 1, (4000, 10))
+    found = np.mean(stats.ttest_1samp(samples, 0, axis=1).pvalue < st.LEVEL)
+    assert st.POWER - 0.04 < found < st.POWER + 0.04
+
+
+def test_one_run_is_not_tested_and_equal_runs_do_not_differ():
+    assert np.isnan(st.paired([1.0], [2.0]).p)
+    assert np.isnan(st.welch([1.0], [1.0, 2.0, 3.0]).p)
+    assert st.paired([1, 2, 3], [1, 2, 3]).p == 1
+    assert st.paired([1, 1, 1], [2, 2, 2]).p == 0
+
+
+@pytest.mark.parametrize("block, expected", [(1, 1), (2, 4), (8, 64)])
+def test_block_correlation_is_the_number_of_pixels_that_move_together(block, expected):
+    # Relative standard deviation of the ratio, 12 runs of 64 blocks: sqrt(2 / (11 * 64)) = 5.3%; 5 of them.
+    noise = np.random.default_rng(4).normal(size=(12, 64 // block, 64 // block))
+    ratio, se = st.block_correlation(noise.repeat(block, axis=1).repeat(block, axis=2))
+    assert abs(ratio / expected - 1) < 5 * np.sqrt(2 / (11 * 64))
+    assert 0 < se < 0.3 * expected
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.8])
+def test_temporal_correlation_finds_the_coefficient_of_an_autoregressive_pixel(memory):
+    # 64 x 64 pixels, 20 frames: standard error of the coefficient about 1/sqrt(64 * 64 * 19) = 0.0036; 5 of them.
+    random = np.random.default_rng(5)
+    truth = random.random((64, 64, 3)).astype(np.float32)
+    sums, state = TemporalSums(truth), random.normal(size=(64, 64, 1))
+    for _ in range(20):
+        sums.add((truth + state).astype(np.float32), consecutive=True)
+        state = memory * state + np.sqrt(1 - memory ** 2) * random.normal(size=(64, 64, 1))
+    assert abs(st.temporal_correlation(sums.sums, 0) - memory) < 5 * 0.0036
+
+
+def test_a_gap_between_frames_is_no_pair():
+    truth = np.zeros((2, 2, 3), np.float32)
+    sums = TemporalSums(truth)
+    for consecutive in (True, True, False, True):
+        sums.add(truth + 1, consecutive)
+    sums.add(None, True)
+    sums.add(truth + 1, True)
+    assert sums.sums[1] == 2 * 4 and sums.sums[3] == 5 * 4
+
+
+def test_at_time_is_exact_on_power_laws_and_unknown_outside_the_curve():
+    times = np.array([1.0, 2.0, 8.0, 16.0])
+    assert st.at_time(times, 3 / np.sqrt(times), 5) == pytest.approx(3 / np.sqrt(5))
+    assert st.at_time(times, [1, -1, 1, 1], 1.5) == pytest.approx(0)
+    assert np.isnan(st.at_time(times, times, 0.5)) and np.isnan(st.at_time(times, times, 17))
+
+
+def test_block_means_leave_out_the_rest():
+    image = np.arange(10 * 9).reshape(10, 9)
+    np.testing.assert_array_equal(st.block_means(image, 8), [[image[:8, :8].mean()]])
+    np.testing.assert_array_equal(st.block_means(image[:4, :4], 8), [[image[:4, :4].mean()]])

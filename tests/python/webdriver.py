@@ -1,0 +1,75 @@
+"""A headless Chromium, driven through chromedriver's WebDriver protocol with the standard library."""
+
+import base64
+import json
+import re
+import shutil
+import subprocess
+import tempfile
+import urllib.request
+
+FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--hide-scrollbars",
+         "--disable-background-networking", "--disable-component-update", "--disable-sync", "--window-size=1280,1600"]
+
+
+class Browser:
+    """A context manager: `with Browser() as browser: browser.open(file)`."""
+
+    def __enter__(self):
+        self._profile = tempfile.mkdtemp()
+        self._driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, text=True)
+        for line in self._driver.stdout:
+            if match := re.search(r"on port (\d+)", line):
+                break
+        self._url = f"http://127.0.0.1:{match[1]}/session"
+        options = {"args": [*FLAGS, f"--user-data-dir={self._profile}"]}
+        capabilities = {"alwaysMatch": {"browserName": "chrome", "goog:chromeOptions": options,
+                                        "goog:loggingPrefs": {"browser": "ALL"}}}
+        self._url += "/" + self._ask("", {"capabilities": capabilities})["sessionId"]
+        return self
+
+    def __exit__(self, *exception):
+        self._ask("", method="DELETE")
+        self._driver.terminate()
+        self._driver.wait()
+        shutil.rmtree(self._profile, ignore_errors=True)
+
+    def _ask(self, path, body=None, method="POST"):
+        data = None if body is None else json.dumps(body).encode()
+        request = urllib.request.Request(self._url + path, data, {"Content-Type": "application/json"}, method=method)
+        opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+        with opener.open(request, timeout=60) as answer:
+            return json.load(answer)["value"]
+
+    def open(self, file):
+        """Load a local file."""
+        self._ask("/url", {"url": f"file://{file}"})
+
+    def run(self, script):
+        """The value of a JavaScript function body."""
+        return self._ask("/execute/sync", {"script": script, "args": []})
+
+    def point(self, selector, *actions):
+        """Pointer actions on the first element of a CSS selector: ("move", x, y), x and y from its centre in CSS pixels,
+        ("down",), ("up",), ("wheel", delta)."""
+        element = self._ask("/element", {"using": "css selector", "value": selector})
+        pointer, wheel = [], []
+        for name, *values in actions:
+            if name == "move":
+                at = {"x": values[0], "y": values[1], "origin": element}
+                pointer.append({"type": "pointerMove", "duration": 20, **at})
+            elif name == "wheel":
+                wheel.append({"type": "scroll", "x": 0, "y": 0, "deltaX": 0, "deltaY": values[0], "origin": element})
+            else:
+                pointer.append({"type": "pointerDown" if name == "down" else "pointerUp", "button": 0})
+        sources = [{"type": "pointer", "id": "mouse", "actions": pointer}] if pointer else []
+        sources += [{"type": "wheel", "id": "wheel", "actions": wheel}] if wheel else []
+        self._ask("/actions", {"actions": sources})
+
+    def log(self):
+        """Messages of the console, errors of scripts and of the network."""
+        return [entry["message"] for entry in self._ask("/se/log", {"type": "browser"})]
+
+    def screenshot(self, file):
+        """Write a PNG of the window."""
+        file.write_bytes(base64.b64decode(self._ask("/screenshot", method="GET")))
