@@ -19,7 +19,7 @@ class Browser:
         self._profile = tempfile.mkdtemp()
         self._driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, text=True)
         for line in self._driver.stdout:
-            if match := re.search(r"on port (\d+)", line):
+            if match := re.search(r"started successfully on port (\d+)", line):
                 break
         self._url = f"http://127.0.0.1:{match[1]}/session"
         options = {"args": [*FLAGS, f"--user-data-dir={self._profile}"]}
@@ -67,8 +67,8 @@ class Browser:
         self._ask("/actions", {"actions": sources})
 
     def log(self):
-        """Messages of the console, errors of scripts and of the network."""
-        return [entry["message"] for entry in self._ask("/se/log", {"type": "browser"})]
+        """Errors of scripts and of the network since the last call."""
+        return [entry["message"] for entry in self._ask("/se/log", {"type": "browser"}) if entry["level"] == "SEVERE"]
 
     def screenshot(self, file):
         """Write a PNG of the window."""

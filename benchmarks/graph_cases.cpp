@@ -1,0 +1,73 @@
+#include "cases.h"
+
+#include "graph/graph.h"
+#include "render/renderer.h"
+
+namespace restirpg::bench {
+namespace {
+
+struct GraphCase {
+    std::string graph, scene, backend, device;
+    Size size;
+    uint32_t seed;
+
+    std::string name() const
+    {
+        using Path = std::filesystem::path;
+        return "graph/" + Path(graph).stem().string() + "/" + Path(scene).stem().string() + "/" + size.text() + "/" + backend;
+    }
+};
+
+std::shared_ptr<Renderer> makeRenderer(const GraphCase& c)
+{
+    const auto scene = loadScene(c.scene);
+    auto graph = std::make_unique<Graph>(readGraphFile(c.graph), Plugins());
+    if (scene->bounceCap)
+        graph->setKnobEverywhere("bounces", *scene->bounceCap);
+    RendererOptions options;
+    options.width = c.size.width;
+    options.height = c.size.height;
+    options.seed = c.seed;
+    options.device = {.device = c.device, .backend = c.backend};
+    auto renderer = std::make_shared<Renderer>(scene, std::move(graph), options);
+    renderer->render(1);  // kernels are compiled at their first dispatch
+    return renderer;
+}
+
+void runGraph(benchmark::State& state, const GraphCase& c)
+{
+    auto& renderer = keep<Renderer>(c.name(), [&] { return makeRenderer(c); });
+    std::map<std::string, double> passes;
+    for (auto _ : state) {
+        renderer.render(1);
+        double milliseconds = 0;
+        for (const auto& [pass, time] : renderer.gpuTimes()) {
+            passes[pass] += time;
+            milliseconds += time;
+        }
+        state.SetIterationTime(milliseconds / 1e3);
+    }
+    for (const auto& [pass, time] : passes)
+        state.counters["ms:" + pass] = benchmark::Counter(time, benchmark::Counter::kAvgIterations);
+    uint64_t bytes = 0;
+    for (const auto& [name, size] : renderer.memory())
+        bytes += size;
+    state.counters["MB"] = double(bytes) / 1e6;
+    state.counters["Mpixels/s"] = benchmark::Counter(double(c.size.width) * c.size.height / 1e6,
+                                                     benchmark::Counter::kIsIterationInvariantRate);
+}
+
+}  // namespace
+
+void registerGraphs(const Cases& cases)
+{
+    for (const auto& graph : cases.graphs)
+        for (const auto& scene : cases.scenes)
+            for (const auto& size : cases.sizes)
+                for (const auto& backend : cases.backends) {
+                    const GraphCase c{graph, scene, backend, cases.device, size, cases.seed};
+                    add(c.name(), [c](benchmark::State& state) { runGraph(state, c); });
+                }
+}
+
+}  // namespace restirpg::bench

@@ -1,0 +1,82 @@
+// restirpg_bench: how fast graphs, tracing and BSDF sampling are on a device. `--benchmark_out=FILE.json` writes what Google
+// Benchmark's own compare.py compares.
+#include "cases.h"
+
+#include "core/error.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdio>
+
+namespace restirpg::bench {
+namespace {
+
+Size parseSize(const std::string& text)
+{
+    Size size{};
+    int length = 0;
+    if (std::sscanf(text.c_str(), "%5ux%5u%n", &size.width, &size.height, &length) != 2 || size_t(length) != text.size()
+        || size.width == 0 || size.height == 0)
+        fail("--sizes: '{}' is not WIDTHxHEIGHT, as in 320x180", text);
+    return size;
+}
+
+/// The back ends to measure: what was asked for, or all that the device has. Names the device in the results' context.
+std::vector<std::string> chooseBackends(const Cases& cases)
+{
+    const Device device(DeviceOptions{.device = cases.device});
+    const auto& description = device.description();
+    benchmark::AddCustomContext("device", description.name);
+    benchmark::AddCustomContext("driver", description.driver);
+    if (!cases.backends.empty())
+        return cases.backends;
+    return description.rayQuery ? std::vector<std::string>{"software", "rayquery"} : std::vector<std::string>{"software"};
+}
+
+int run(int argc, char** argv)
+{
+    Cases cases;
+    std::vector<std::string> sizes{"160x90", "320x180"};
+    const std::string source = RESTIRPG_SOURCE;
+    cases.graphs = {source + "/graphs/path_tracer.py"};
+    cases.scenes = {source + "/out/scenes/cornell_box.glb", source + "/out/scenes/door_ajar.glb"};
+    CLI::App app("Benchmarks; the flags --benchmark_... are Google Benchmark's (--benchmark_filter=REGEX, --benchmark_out=FILE)");
+    app.add_option("--graphs", cases.graphs, "graph files (the path tracer)");
+    app.add_option("--scenes", cases.scenes, "scenes (the embedded ones in out/scenes: scripts/make_scenes.py writes them)");
+    app.add_option("--sizes", sizes, "WIDTHxHEIGHT of the graphs' pictures (160x90 320x180)");
+    app.add_option("--backends", cases.backends, "software, rayquery (those that the device has)");
+    app.add_option("--device", cases.device, "number or part of the name, as `restirpg devices` shows them (the best one)");
+    app.add_option("--seed", cases.seed, "of all random numbers (0)");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    for (const auto& scene : cases.scenes)
+        if (!std::filesystem::exists(scene))
+            fail("{}: no such scene; scripts/make_scenes.py writes the embedded ones", scene);
+    for (const auto& size : sizes)
+        cases.sizes.push_back(parseSize(size));
+    cases.backends = chooseBackends(cases);
+    registerGraphs(cases);
+    registerTracing(cases);
+    registerBsdfs(cases);
+    benchmark::RunSpecifiedBenchmarks();
+    benchmark::Shutdown();
+    return 0;
+}
+
+}  // namespace
+}  // namespace restirpg::bench
+
+int main(int argc, char** argv)
+{
+    benchmark::Initialize(&argc, argv);
+    try {
+        return restirpg::bench::run(argc, argv);
+    } catch (const restirpg::Error& error) {
+        fmt::print(stderr, "restirpg_bench: {}\n", error.what());
+        return 2;
+    }
+}

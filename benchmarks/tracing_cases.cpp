@@ -1,0 +1,106 @@
+#include "cases.h"
+
+#include "trace/rays.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <map>
+
+namespace restirpg::bench {
+namespace {
+
+using test::DeviceTracer;
+using test::EmbreeScene;
+using test::Ray;
+
+constexpr uint32_t WIDTH = 640, HEIGHT = 360;  ///< of the primary rays, as in the project's earlier measurements
+
+enum class Kind { primary, bounce, shadow };
+constexpr std::pair<Kind, const char*> KINDS[] = {{Kind::primary, "primary"}, {Kind::bounce, "bounce"}, {Kind::shadow, "shadow"}};
+
+/// A scene's rays, all found with Embree so that every tracer gets the same.
+struct Workload {
+    std::shared_ptr<const Scene> scene;
+    std::vector<glm::mat4> pose;
+    EmbreeScene embree;
+    std::map<Kind, std::vector<Ray>> rays;
+
+    explicit Workload(const std::string& file) : scene(loadScene(file)), pose(poseNodes(*scene, 0)), embree(*scene, pose)
+    {
+        rays[Kind::primary] = test::primaryRays(*scene, pose, WIDTH, HEIGHT);
+        const auto hits = embree.closest(rays[Kind::primary]);
+        rays[Kind::bounce] = test::bounceRays(*scene, pose, rays[Kind::primary], hits, 1);
+        rays[Kind::shadow] = test::shadowRays(*scene, pose, rays[Kind::primary], hits, 2);
+    }
+};
+
+struct Traced {
+    Device device;
+    DeviceTracer tracer;
+
+    Traced(const DeviceOptions& options, const Workload& workload)
+        : device(options), tracer(device, *workload.scene, workload.pose)
+    {
+    }
+};
+
+Workload& workloadOf(const std::string& scene)
+{
+    return keep<Workload>(scene, [&] { return std::make_shared<Workload>(scene); });
+}
+
+/// Time `trace()`, host side: it returns when the rays are done.
+template <typename Trace>
+void timeRays(benchmark::State& state, size_t count, const Trace& trace)
+{
+    using Clock = std::chrono::steady_clock;
+    for (auto _ : state) {
+        const auto start = Clock::now();
+        trace();
+        state.SetIterationTime(std::chrono::duration<double>(Clock::now() - start).count());
+    }
+    state.counters["rays/s"] = benchmark::Counter(double(count), benchmark::Counter::kIsIterationInvariantRate);
+}
+
+void runEmbree(benchmark::State& state, const std::string& scene, Kind kind)
+{
+    auto& workload = workloadOf(scene);
+    const auto& rays = workload.rays[kind];
+    timeRays(state, rays.size(), [&] {
+        if (kind == Kind::shadow)
+            benchmark::DoNotOptimize(workload.embree.occluded(rays));
+        else
+            benchmark::DoNotOptimize(workload.embree.closest(rays));
+    });
+}
+
+void runDevice(benchmark::State& state, const std::string& scene, const DeviceOptions& options, Kind kind)
+{
+    auto& workload = workloadOf(scene);
+    auto& traced = keep<Traced>(scene + options.backend, [&] { return std::make_shared<Traced>(options, workload); });
+    const auto& rays = workload.rays[kind];
+    traced.tracer.upload(rays);
+    traced.tracer.run(kind == Kind::shadow);  // compiles the kernel
+    timeRays(state, rays.size(), [&] { traced.tracer.run(kind == Kind::shadow); });
+}
+
+}  // namespace
+
+void registerTracing(const Cases& cases)
+{
+    for (const auto& scene : cases.scenes) {
+        const std::string stem = std::filesystem::path(scene).stem().string();
+        for (const auto& [kind, name] : KINDS)
+            add(fmt::format("trace/{}/embree/{}", name, stem),
+                [=](benchmark::State& state) { runEmbree(state, scene, kind); });
+        for (const auto& backend : cases.backends) {
+            const DeviceOptions options{.device = cases.device, .backend = backend};
+            for (const auto& [kind, name] : KINDS)
+                add(fmt::format("trace/{}/{}/{}", name, backend, stem),
+                    [=](benchmark::State& state) { runDevice(state, scene, options, kind); });
+        }
+    }
+}
+
+}  // namespace restirpg::bench
