@@ -20,9 +20,10 @@ FRAMES = 16
 SEEDS = 6  # of each side of a trial
 REFERENCE_FRAMES, BATCHES = 256, 16  # frames of a batch
 GAIN = 1.01
-GAIN_TRIALS = 10
+GAIN_TRIALS = 5
+GAIN_SEEDS = 16  # of each
 ALLOWED = 0.05  # of trials between equal methods
-MOST_RUNS = 128  # of a gain trial
+MOST_FRAMES = 1024  # of a run of a gain trial
 
 
 class _Everything:
@@ -48,9 +49,9 @@ def run(options, cache, pool, display):
     display.stop()
     false, biases = _false_alarms(truth, results, options.trials)
     spread = np.std([result["image"].mean() for result in results], ddof=1)
-    runs = _runs_needed(spread, truth)
-    found, detectable = _gain_trials(comparison, base, options, truth, key, runs)
-    _print(options, truth, false, biases, found, runs, detectable)
+    frames = _frames_needed(spread, truth)
+    found, detectable = _gain_trials(comparison, replace(base, frames=frames), options, truth, key)
+    _print(options, truth, false, biases, found, frames, detectable)
     return 0 if len(false) <= ALLOWED * options.trials and found == GAIN_TRIALS else 1
 
 
@@ -87,38 +88,39 @@ def _false_alarms(truth, results, trials):
     return alarms, sum("bias" in alarm or "blocks" in alarm for alarm in alarms)
 
 
-def _runs_needed(spread, truth):
-    """Runs whose smallest detectable bias is well below GAIN - 1, so that the latter is found almost surely."""
-    scale, batches = truth["batch_means"].mean(), truth["batch_means"]
-    runs = SEEDS
-    while runs < MOST_RUNS:
-        se = np.hypot(spread / np.sqrt(runs), batches.std(ddof=1) / np.sqrt(len(batches))) / scale
-        if st.Test(0, se, min(runs, len(batches)) - 1, 1).smallest_detectable() < 0.6 * (GAIN - 1):
+def _frames_needed(spread, truth):
+    """Frames of a run whose smallest detectable bias is well below GAIN - 1, so that the latter is found almost surely;
+    `spread`: standard deviation of the mean of a run of FRAMES."""
+    batches = truth["batch_means"]
+    frames = FRAMES
+    while frames < MOST_FRAMES:
+        se = np.hypot(spread * np.sqrt(FRAMES / frames / GAIN_SEEDS), batches.std(ddof=1) / np.sqrt(len(batches)))
+        if st.Test(0, se / batches.mean(), GAIN_SEEDS - 1, 1).smallest_detectable() < 0.6 * (GAIN - 1):
             break
-        runs += 8
-    return runs
+        frames *= 2
+    return frames
 
 
-def _gain_trials(comparison, base, options, truth, key, runs):
+def _gain_trials(comparison, base, options, truth, key):
     """How many trials with 1% too much energy are found biased, and the median of the smallest detectable biases."""
     jobs = [replace(_run(base, options, "gain", trial, n), gain=GAIN, reference=key)
-            for trial in range(GAIN_TRIALS) for n in range(runs)]
+            for trial in range(GAIN_TRIALS) for n in range(GAIN_SEEDS)]
     comparison.display.start(sum(map(cost, jobs)))
     results = _render(comparison, jobs)
     comparison.display.stop()
     scale = truth["batch_means"].mean()
-    tests = [st.welch([result["image"].mean(dtype=float) / scale for result in results[runs * trial:runs * (trial + 1)]],
+    tests = [st.welch([result["image"].mean(dtype=float) / scale for result in results[GAIN_SEEDS * trial:GAIN_SEEDS * (trial + 1)]],
                       truth["batch_means"] / scale) for trial in range(GAIN_TRIALS)]
     return sum(test.p < st.LEVEL for test in tests), float(np.median([test.smallest_detectable() for test in tests]))
 
 
-def _print(options, truth, alarms, biases, found, runs, detectable):
+def _print(options, truth, alarms, biases, found, frames, detectable):
     share = 1 - len(alarms) / options.trials
     print(f"equal graphs: {100 * share:.1f}% of {options.trials} trials ({SEEDS} seeds a side, {FRAMES} frames of "
           f"{SIZE[0]}x{SIZE[1]}) find no difference and no bias; at least {100 * (1 - ALLOWED):.0f}% is asked for; "
           f"{biases} of the {len(alarms)} false alarms are of bias")
     for alarm in alarms:
         print(f"    {alarm}")
-    print(f"1% too much energy: found in {found} of {GAIN_TRIALS} trials ({runs} seeds each); the smallest detectable bias "
+    print(f"1% too much energy: found in {found} of {GAIN_TRIALS} trials ({GAIN_SEEDS} seeds of {frames} frames); the smallest detectable bias "
           f"is {100 * detectable:.2g}% ({100 * st.POWER:.0f}% power at the {100 * st.LEVEL:.0f}% level); the reference's own "
           f"standard error is {100 * references.noise(truth)['relative_se']:.2g}%")

@@ -177,7 +177,7 @@ def test_the_harness_passes_its_self_test(tmp_path):
     run = subprocess.run([*arguments(tmp_path, "plain.json"), "--self-test"], cwd=tmp_path, env=ENVIRONMENT,
                          capture_output=True, text=True)
     assert run.returncode == 0, run.stdout + run.stderr
-    assert "found in 10 of 10 trials" in run.stdout and "smallest detectable bias is" in run.stdout
+    assert "found in 5 of 5 trials" in run.stdout and "smallest detectable bias is" in run.stdout
 
 
 def test_the_self_test_fails_when_equal_methods_differ(tmp_path, monkeypatch):
