@@ -1,13 +1,15 @@
 #!/usr/bin/python3
-"""Compare light transport methods on equal terms: same scene, seeds, bounce cap, pixel filter, clock and reference.
+"""Compare light transport methods on equal terms: same scene, seeds, bounce cap, pixel filter, clock and
+reference.
 
-    scripts/compare.py GRAPH[@SETTING=VALUE,...]... --scenes SCENE... [--size 160x90] [--frames 32] [--seeds 8]
+    scripts/compare.py GRAPH[@SETTING=VALUE,...]... --scenes SCENE... [--size 160x90] [--frames 32] [--seeds
+    8]
 
-Each GRAPH is one method; the first is the baseline that the others are tested against. Settings are knobs (`paths.nee=false`,
-or `bounces=2` on every pass that has it) and label, output, device, backend. Prints tables and writes report.html, CSV
-and EXR files into the folder --out. Finished runs are kept: the same command again, after any interruption, goes on
-where it stopped. Exit code: 0; 1 when a run failed (the others are reported); 2 for a mistake in what was asked;
-130 after Ctrl-C.
+Each GRAPH is one method; the first is the baseline that the others are tested against. Settings are knobs
+(`paths.nee=false`, or `bounces=2` on every pass that has it) and label, output, device, backend. Prints
+tables and writes report.html, CSV and EXR files into the folder --out. Finished runs are kept: the same
+command again, after any interruption, goes on where it stopped. Exit code: 0; 1 when a run failed (the others
+are reported); 2 for a mistake in what was asked; 130 after Ctrl-C.
 """
 
 import argparse
@@ -42,27 +44,67 @@ def positive(text):
 
 def parse(arguments):
     """The command line as a namespace."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     add = parser.add_argument
     add("methods", nargs="*", metavar="GRAPH[@SETTING=VALUE,...]", help="a method; the first is the baseline")
-    add("--scenes", nargs="+", metavar="FILE", default=["out/scenes/door_ajar.glb"], help=".glb or .gltf (%(default)s)")
+    add(
+        "--scenes",
+        nargs="+",
+        metavar="FILE",
+        default=["out/scenes/door_ajar.glb"],
+        help=".glb or .gltf (%(default)s)",
+    )
     add("--size", type=size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
     add("--frames", type=positive, default=32, help="frames of a run (%(default)s)")
     add("--seeds", type=positive, default=8, help="independent runs of each method (%(default)s)")
-    add("--base-seed", type=int, default=0, help="another number gives other random numbers to all runs (%(default)s)")
-    add("--bounces", type=positive, help="bounce cap of every pass and of the reference (the scene's, or the graph's own)")
+    add(
+        "--base-seed",
+        type=int,
+        default=0,
+        help="another number gives other random numbers to all runs (%(default)s)",
+    )
+    add(
+        "--bounces",
+        type=positive,
+        help="bounce cap of every pass and of the reference (the scene's, or the graph's own)",
+    )
     add("--environment", metavar="FILE|R,G,B", help="environment light in place of the scene's")
     add("--camera", type=int, default=0, help="number of the scene's camera (%(default)s)")
     add("--reference", metavar="EXR", help="a picture to take for the truth, in place of a path traced one")
-    add("--reference-graph", default="graphs/path_tracer.py", metavar="GRAPH", help="what renders the truth (%(default)s)")
-    add("--reference-frames", type=positive, metavar="N", help="frames of the reference in all (32 times --frames)")
-    add("--reference-batches", type=positive, default=16, metavar="R",
-        help="independent parts of the reference, for its own standard error (%(default)s)")
-    add("--jobs", type=positive, default=1, help="runs at a time: more than one spoils the times (%(default)s)")
+    add(
+        "--reference-graph",
+        default="graphs/path_tracer.py",
+        metavar="GRAPH",
+        help="what renders the truth (%(default)s)",
+    )
+    add(
+        "--reference-frames",
+        type=positive,
+        metavar="N",
+        help="frames of the reference in all (32 times --frames)",
+    )
+    add(
+        "--reference-batches",
+        type=positive,
+        default=16,
+        metavar="R",
+        help="independent parts of the reference, for its own standard error (%(default)s)",
+    )
+    add(
+        "--jobs",
+        type=positive,
+        default=1,
+        help="runs at a time: more than one spoils the times (%(default)s)",
+    )
     add("--out", default="out/compare", help="folder of the report, CSV and EXR files (%(default)s)")
     add("--cache", help="folder of finished runs (OUT/cache)")
-    add("--self-test", action="store_true",
-        help="measure the harness: false alarms between equal methods, power to find a 1%% error of energy")
+    add(
+        "--self-test",
+        action="store_true",
+        help="measure the harness: false alarms between equal methods, power to find a 1%% error of energy",
+    )
     add("--trials", type=positive, default=60, help="of the self-test (%(default)s)")
     return parser.parse_args(arguments)
 
@@ -72,12 +114,21 @@ def settings_from(options):
     methods = tuple(parse_method(text) for text in options.methods)
     if not methods:
         raise UserError("no graph given; name one or more, as in scripts/compare.py graphs/path_tracer.py")
-    return Settings(methods=methods, scenes=tuple(options.scenes), size=options.size, frames=options.frames,
-                    seeds=options.seeds, base_seed=options.base_seed, bounces=options.bounces,
-                    environment=options.environment, camera=options.camera, reference=options.reference,
-                    reference_graph=options.reference_graph,
-                    reference_frames=options.reference_frames or 32 * options.frames,
-                    reference_batches=options.reference_batches)
+    return Settings(
+        methods=methods,
+        scenes=tuple(options.scenes),
+        size=options.size,
+        frames=options.frames,
+        seeds=options.seeds,
+        base_seed=options.base_seed,
+        bounces=options.bounces,
+        environment=options.environment,
+        camera=options.camera,
+        reference=options.reference,
+        reference_graph=options.reference_graph,
+        reference_frames=options.reference_frames or 32 * options.frames,
+        reference_batches=options.reference_batches,
+    )
 
 
 def compare(options, cache, pool, display):
@@ -86,8 +137,9 @@ def compare(options, cache, pool, display):
     settings = settings_from(options)
     comparison = Comparison(settings, cache, pool, display)
     comparison.prepare()
-    for device in dict.fromkeys(f"{device['name']}, {device['driver']}, {device['backend']}"
-                                for device in comparison.device.values()):
+    for device in dict.fromkeys(
+        f"{device['name']}, {device['driver']}, {device['backend']}" for device in comparison.device.values()
+    ):
         print(f"device: {device}")
     findings = analysis.analyse(comparison.run())
     text = tables.as_text(findings)
@@ -100,8 +152,10 @@ def compare(options, cache, pool, display):
     print(text)
     for failure in comparison.failures:
         print(f"failed: {failure}", file=sys.stderr)
-    print(f"{out / 'report.html'}: the report, after {time.monotonic() - started:.0f} s; "
-          f"tables.txt, summary.csv, runs.csv and images/*.exr lie beside it")
+    print(
+        f"{out / 'report.html'}: the report, after {time.monotonic() - started:.0f} s; "
+        f"tables.txt, summary.csv, runs.csv and images/*.exr lie beside it"
+    )
     return 1 if comparison.failures else 0
 
 

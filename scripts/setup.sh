@@ -1,6 +1,6 @@
 # shellcheck shell=bash
 # Sourced by scripts/run and scripts/test: puts a machine in a state to build and run, then builds.
-#   install_packages [tests]    what scripts/packages.txt lists; needs no network when all of it is there
+#   install_packages build|tests  what scripts/packages.txt lists; needs no network when all of it is there
 #   build TARGET...             configure once, then ninja, into build/
 # RESTIRPG_SKIP_SETUP=1 leaves the machine's packages alone. Errors: one line, exit code 2.
 set -euo pipefail
@@ -20,7 +20,7 @@ stop()
 # The names listed in packages.txt; without the argument "tests", those before the line "# tests only".
 package_names()
 {
-    awk -v role="${1:-}" '/^# tests only/ && role != "tests" {exit} /^[^#]/ {print $1}' "$root/scripts/packages.txt"
+    awk -v role="$1" '/^# tests only/ && role != "tests" {exit} /^[^#]/ {print $1}' "$root/scripts/packages.txt"
 }
 
 # Of the names on standard input, those not installed. One query for all: a start with nothing to do stays fast.
@@ -140,7 +140,7 @@ probe()
 check_elsewhere()
 {
     local names name kind what missing=()
-    names=" $(package_names "${1:-}" | tr '\n' ' ')"
+    names=" $(package_names "$1" | tr '\n' ' ')"
     while read -r name kind what; do
         [[ $names != *" $name "* ]] || probe "$kind" "$what" || missing+=("$name")
     done < <(grep -v '^#' "$root/scripts/packages.txt")
@@ -154,9 +154,9 @@ install_packages()
     local system
     system=$(. /etc/os-release 2>/dev/null && echo "${ID:-} ${ID_LIKE:-} ${VERSION_CODENAME:-}") || true
     if [[ " $system " == *" debian "* ]] && command -v apt-get >/dev/null; then
-        install_debian "${1:-}" "${system##* }"
+        install_debian "$1" "${system##* }"
     else
-        check_elsewhere "${1:-}"
+        check_elsewhere "$1"
     fi
 }
 

@@ -20,7 +20,9 @@ class MethodFindings:
     gpu_ms: np.ndarray  # summed since the start, (seeds, measured frames)
     wall_ms: np.ndarray
     equal_frame: dict  # metric -> (mean, standard error) after the last frame
-    equal_time: dict  # metric -> (mean, standard error) at SceneFindings.common_ms; NaN: the first frame takes longer
+    equal_time: (
+        dict  # metric -> (mean, standard error) at SceneFindings.common_ms; NaN: the first frame takes longer
+    )
     bias: st.Test  # relative to the reference's mean
     block_p: np.ndarray  # p-value of each 8x8 block's bias
     spatial_image: tuple  # block correlation of the final picture: ratio, standard error
@@ -28,7 +30,9 @@ class MethodFindings:
     temporal: tuple  # autocorrelation at lag 1: mean, standard error
     passes: dict  # pass -> ms a frame, mean over seeds
     memory: dict  # resource -> bytes
-    against: dict  # (metric, "frame" or "time") -> paired Test against the baseline; the baseline itself: empty
+    against: (
+        dict  # (metric, "frame" or "time") -> paired Test against the baseline; the baseline itself: empty
+    )
     images: dict  # "image" (first seed), "mean" (of all seeds), "frame" (first seed's last frame alone)
     adjusted: dict = field(default_factory=dict)  # as `against`, and "bias", "blocks" -> corrected p-value
 
@@ -49,13 +53,18 @@ class SceneFindings:
 
 
 def analyse(scene_runs):
-    """Findings of every scene. p-values are corrected (Holm) in two families, each over all scenes and methods: the
-    comparisons with the baseline, and the tests of bias."""
+    """Findings of every scene. p-values are corrected (Holm) in two families, each over all scenes and
+    methods: the comparisons with the baseline, and the tests of bias."""
     findings = [_scene(runs) for runs in scene_runs if runs.runs]
     methods = [method for scene in findings for method in scene.methods]
     _correct([(method, kind, test.p) for method in methods for kind, test in method.against.items()])
-    tests = _correct([entry for method in methods
-                      for entry in ((method, "bias", method.bias.p), (method, "blocks", _smallest_block_p(method)))])
+    tests = _correct(
+        [
+            entry
+            for method in methods
+            for entry in ((method, "bias", method.bias.p), (method, "blocks", _smallest_block_p(method)))
+        ]
+    )
     for scene in findings:
         scene.bias_tests = tests
     return findings
@@ -80,11 +89,23 @@ def _scene(runs):
     common = min(float(curve[:, -1].min()) for curve in times.values())
     methods = [_method(label, seeds, runs.reference, noise, common) for label, seeds in runs.runs.items()]
     for method in methods[1:]:
-        method.against = {(metric, mode): st.paired(_values(method, metric, mode, common),
-                                                    _values(methods[0], metric, mode, common))
-                          for metric in METRICS for mode in ("frame", "time")}
-    return SceneFindings(runs.scene, runs.reference, noise, common, methods, runs.descriptions, runs.warnings,
-                         len(next(iter(runs.runs.values()))))
+        method.against = {
+            (metric, mode): st.paired(
+                _values(method, metric, mode, common), _values(methods[0], metric, mode, common)
+            )
+            for metric in METRICS
+            for mode in ("frame", "time")
+        }
+    return SceneFindings(
+        runs.scene,
+        runs.reference,
+        noise,
+        common,
+        methods,
+        runs.descriptions,
+        runs.warnings,
+        len(next(iter(runs.runs.values()))),
+    )
 
 
 def _values(method, metric, mode, common):
@@ -96,24 +117,46 @@ def _values(method, metric, mode, common):
 
 
 def _method(label, runs, truth, noise, common):
-    gather = {name: np.array([run[name] for run in runs]) for name in ("mape", "relmse", "bias", "gpu_ms", "wall_ms")}
+    gather = {
+        name: np.array([run[name] for run in runs])
+        for name in ("mape", "relmse", "bias", "gpu_ms", "wall_ms")
+    }
     curves = {"mape": gather["mape"], "relmse": gather["relmse"] - noise["relmse"], "bias": gather["bias"]}
-    pictures = np.array([np.nan_to_num(run["image"].astype(float), nan=0, posinf=0, neginf=0) for run in runs])
+    pictures = np.array(
+        [np.nan_to_num(run["image"].astype(float), nan=0, posinf=0, neginf=0) for run in runs]
+    )
     frames = np.nan_to_num(st.luminance(np.array([run["frame"] for run in runs])), nan=0, posinf=0, neginf=0)
     brightness = st.luminance(pictures)
     temporal = [st.temporal_correlation(run["temporal"], noise["luminance_variance"]) for run in runs]
     scale = truth["batch_means"].mean()
     several = len(runs) > 1
     method = MethodFindings(
-        label=label, frames=runs[0]["frames"], curves=curves, gpu_ms=gather["gpu_ms"], wall_ms=gather["wall_ms"],
-        equal_frame={}, equal_time={},
+        label=label,
+        frames=runs[0]["frames"],
+        curves=curves,
+        gpu_ms=gather["gpu_ms"],
+        wall_ms=gather["wall_ms"],
+        equal_frame={},
+        equal_time={},
         bias=st.welch(pictures.mean(axis=(1, 2, 3)) / scale, truth["batch_means"] / scale),
-        block_p=st.welch_p_values(st.block_means(brightness), truth["batch_blocks"]) if several else np.array([]),
-        spatial_image=st.block_correlation(brightness), spatial_frame=st.block_correlation(frames),
+        block_p=(
+            st.welch_p_values(st.block_means(brightness), truth["batch_blocks"]) if several else np.array([])
+        ),
+        spatial_image=st.block_correlation(brightness),
+        spatial_frame=st.block_correlation(frames),
         temporal=st.mean_se(temporal),
-        passes={name: float(np.mean([run["meta"]["passes"][name] for run in runs])) for name in runs[0]["meta"]["passes"]},
-        memory=runs[0]["meta"]["memory"], against={},
-        images={"image": runs[0]["image"], "mean": pictures.mean(axis=0).astype(np.float32), "frame": runs[0]["frame"]})
+        passes={
+            name: float(np.mean([run["meta"]["passes"][name] for run in runs]))
+            for name in runs[0]["meta"]["passes"]
+        },
+        memory=runs[0]["meta"]["memory"],
+        against={},
+        images={
+            "image": runs[0]["image"],
+            "mean": pictures.mean(axis=0).astype(np.float32),
+            "frame": runs[0]["frame"],
+        },
+    )
     for metric in METRICS:
         method.equal_frame[metric] = st.mean_se(_values(method, metric, "frame", common))
         method.equal_time[metric] = st.mean_se(_values(method, metric, "time", common))

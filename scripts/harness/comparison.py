@@ -38,7 +38,8 @@ class SceneRuns:
 
 
 class Comparison:
-    """One comparison: prepare() checks it cheaply and whole, then run() renders and returns a SceneRuns each scene."""
+    """One comparison: prepare() checks it cheaply and whole, then run() renders and returns a SceneRuns each
+    scene."""
 
     def __init__(self, settings, cache, pool, display):
         self.settings = settings
@@ -53,16 +54,29 @@ class Comparison:
                 raise UserError(f"two pictures would be called '{label}'; tell them apart with @label=NAME")
 
     def prepare(self):
-        """Check scenes, graphs and knobs before anything long starts; raises UserError at the first mistake."""
+        """Check scenes, graphs and knobs before anything long starts; raises UserError at the first
+        mistake."""
         settings = self.settings
         self.code = code = render.code_version()
-        descriptions = {method.graph: json.dumps(render.describe_graph(method.graph), sort_keys=True)
-                        for method in self._all_methods()}
+        descriptions = {
+            method.graph: json.dumps(render.describe_graph(method.graph), sort_keys=True)
+            for method in self._all_methods()
+        }
         self.plans = []
         for scene in settings.scenes:
-            base = Job(scene=scene, scene_hash=scenes.content_hash(scene, settings.environment), graph="", description="",
-                       size=settings.size, frames=settings.frames, seed=0, code=code, environment=settings.environment,
-                       camera=settings.camera, bounces=settings.bounces or scenes.bounce_cap(scene))
+            base = Job(
+                scene=scene,
+                scene_hash=scenes.content_hash(scene, settings.environment),
+                graph="",
+                description="",
+                size=settings.size,
+                frames=settings.frames,
+                seed=0,
+                code=code,
+                environment=settings.environment,
+                camera=settings.camera,
+                bounces=settings.bounces or scenes.bounce_cap(scene),
+            )
             jobs = [self._job(base, method, descriptions[method.graph]) for method in self._all_methods()]
             self.plans.append(self._plan(scene, jobs, self._probe(jobs)))
 
@@ -73,14 +87,24 @@ class Comparison:
 
     @staticmethod
     def _job(base, method, description):
-        return replace(base, graph=method.graph, description=description, knobs=method.knobs, output=method.output,
-                       device=method.device, backend=method.backend, label=method.label)
+        return replace(
+            base,
+            graph=method.graph,
+            description=description,
+            knobs=method.knobs,
+            output=method.output,
+            device=method.device,
+            backend=method.backend,
+            label=method.label,
+        )
 
     def _probe(self, jobs):
         """The knobs and device of each job, from the cache or a worker."""
         keys = {job.label: digest(f"probe {job.key}".encode()) for job in jobs}
         found = {label: self.cache.load(key) for label, key in keys.items()}
-        for job, failure, answer in self._pool.run([job for job in jobs if not found[job.label]], kind="probe"):
+        for job, failure, answer in self._pool.run(
+            [job for job in jobs if not found[job.label]], kind="probe"
+        ):
             if failure:
                 raise UserError(failure)
             found[job.label] = {"meta": answer}
@@ -99,16 +123,30 @@ class Comparison:
             own = probes["reference"]["knobs"]
             cap = job.bounces or max((cap for cap in caps.values() if cap is not None), default=None)
             jitter = next((value for value in filters.values() if value is not None), None)
-            knobs = (("jitter", jitter),) if largest_knob(own, "jitter") not in (None, jitter) and jitter is not None else ()
+            differs = jitter is not None and largest_knob(own, "jitter") not in (None, jitter)
+            knobs = (("jitter", jitter),) if differs else ()
             frames = max(1, settings.reference_frames // settings.reference_batches)
             cap = cap if largest_knob(own, "bounces") is not None else None
-            batches = [replace(job, bounces=cap, knobs=knobs, frames=frames, label=f"reference {number + 1}",
-                               seed=seed_of(settings.base_seed, "reference", number))
-                       for number in range(settings.reference_batches)]
-            warnings += [f"{label}: its bounce cap is {own_cap}, the reference's {cap}: the difference counts as its error"
-                         for label, own_cap in caps.items() if own_cap not in (None, cap)]
+            batches = [
+                replace(
+                    job,
+                    bounces=cap,
+                    knobs=knobs,
+                    frames=frames,
+                    label=f"reference {number + 1}",
+                    seed=seed_of(settings.base_seed, "reference", number),
+                )
+                for number in range(settings.reference_batches)
+            ]
+            warnings += [
+                f"{label}: its bounce cap is {own_cap}, the reference's {cap}: the difference counts as error"
+                for label, own_cap in caps.items()
+                if own_cap not in (None, cap)
+            ]
         if len(set(filters.values()) - {None}) > 1:
-            warnings.append("the methods differ in their pixel filter (knob jitter); the reference has the first one's")
+            warnings.append(
+                "the methods differ in their pixel filter (knob jitter); the reference has the first one's"
+            )
         knobs = {job.label: probes[job.label]["knobs"] for job in methods}
         return {"scene": scene, "methods": methods, "batches": batches, "warnings": warnings, "knobs": knobs}
 
@@ -117,7 +155,8 @@ class Comparison:
         return [seed_of(self.settings.base_seed, "run", number) for number in range(self.settings.seeds)]
 
     def run(self):
-        """Render what is missing. Failures are kept in `failures`; a scene without a reference is left out."""
+        """Render what is missing. Failures are kept in `failures`; a scene without a reference is left
+        out."""
         settings, results = self.settings, []
         for plan in self.plans:
             plan["jobs"] = [replace(job, seed=seed) for seed in self.seeds() for job in plan["methods"]]
@@ -148,11 +187,17 @@ class Comparison:
 
     def render(self, jobs):
         """Run the jobs that are not in the cache; returns how many failed, each already reported."""
-        missing = [job for job in jobs if not self.cache.path(job.key).exists() or self.cache.load(job.key) is None]
+        missing = [
+            job for job in jobs if not self.cache.path(job.key).exists() or self.cache.load(job.key) is None
+        ]
         self.display.skip(sum(cost(job) for job in jobs) - sum(cost(job) for job in missing))
         failed = 0
-        for job, failure, _ in self._pool.run(missing, on_tick=lambda job, frames: self.display.advance(
-                frames * cost(job) / job.frames, f"{job.label} on {job.scene}")):
+        for job, failure, _ in self._pool.run(
+            missing,
+            on_tick=lambda job, frames: self.display.advance(
+                frames * cost(job) / job.frames, f"{job.label} on {job.scene}"
+            ),
+        ):
             if failure:
                 failed += 1
                 self.failures.append(f"{job.scene}, {job.label}, seed {job.seed}: {failure}")
@@ -160,24 +205,35 @@ class Comparison:
         return failed
 
     def _collect(self, plan, truth, jobs):
-        """Results by method, of the seeds that every method with any result finished: tests are paired by seed."""
+        """Results by method, of the seeds that every method with any result finished: tests are paired by
+        seed."""
         results = {job.label: {} for job in jobs}
         for job in jobs:
             result = self.cache.load(job.key)
             if result:
                 results[job.label][job.seed] = result
         finished = {label: runs for label, runs in results.items() if runs}
-        seeds = [seed for seed in dict.fromkeys(job.seed for job in jobs)
-                 if all(seed in runs for runs in finished.values())]
-        runs = {label: [by_seed[seed] for seed in seeds] for label, by_seed in finished.items()} if seeds else {}
-        descriptions = {job.label: with_knobs(json.loads(job.description), plan["knobs"][job.label])
-                        for job in plan["methods"]}
+        seeds = [
+            seed
+            for seed in dict.fromkeys(job.seed for job in jobs)
+            if all(seed in runs for runs in finished.values())
+        ]
+        runs = (
+            {label: [by_seed[seed] for seed in seeds] for label, by_seed in finished.items()} if seeds else {}
+        )
+        descriptions = {
+            job.label: with_knobs(json.loads(job.description), plan["knobs"][job.label])
+            for job in plan["methods"]
+        }
         warnings = list(plan["warnings"])
         if len(seeds) < self.settings.seeds:
-            warnings.append(f"{self.settings.seeds - len(seeds)} of {self.settings.seeds} seeds are left out: a run failed")
+            left_out = self.settings.seeds - len(seeds)
+            warnings.append(f"{left_out} of {self.settings.seeds} seeds are left out: a run failed")
         for label, by_seed in runs.items():
             if invalid := sum(result["meta"]["invalid"] for result in by_seed):
-                warnings.append(f"{label}: {invalid} pixels of its runs are NaN or infinite and left out of every mean")
+                warnings.append(
+                    f"{label}: {invalid} pixels of its runs are NaN or infinite and left out of every mean"
+                )
         return SceneRuns(plan["scene"], truth, runs, descriptions, warnings)
 
 
@@ -193,5 +249,8 @@ def largest_knob(knobs, name):
 
 def with_knobs(description, knobs):
     """The description with every knob's actual value, defaults too."""
-    passes = [{**entry, "knobs": knobs.get(entry["name"], entry.get("knobs", {}))} for entry in description["passes"]]
+    passes = [
+        {**entry, "knobs": knobs.get(entry["name"], entry.get("knobs", {}))}
+        for entry in description["passes"]
+    ]
     return {**description, "passes": passes}

@@ -4,7 +4,14 @@ import sys
 import time
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    TaskProgressColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 SECONDS_BETWEEN_LINES = 20
 
@@ -23,9 +30,17 @@ class Display:
         self._total, self._done, self._rendered = total, 0.0, 0.0
         self._started = self._printed = time.monotonic()
         if self._console.is_terminal:
-            self._bar = Progress(TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn(),
-                                 TextColumn("left"), TimeRemainingColumn(), console=self._console, transient=True,
-                                 speed_estimate_period=120)
+            self._bar = Progress(
+                TextColumn("{task.description}"),
+                BarColumn(),
+                TaskProgressColumn(),
+                TimeElapsedColumn(),
+                TextColumn("left"),
+                TimeRemainingColumn(),
+                console=self._console,
+                transient=True,
+                speed_estimate_period=120,
+            )
             self._task = self._bar.add_task("", total=total)
             self._bar.start()
 
@@ -43,7 +58,9 @@ class Display:
         elif time.monotonic() - self._printed > SECONDS_BETWEEN_LINES:
             self._printed = time.monotonic()
             left = (self._printed - self._started) * (self._total - self._done) / self._done
-            self.message(f"{100 * self._done / self._total:.0f}% rendered, {left / 60:.1f} min left ({description})")
+            self.message(
+                f"{100 * self._done / self._total:.0f}% rendered, {left / 60:.1f} min left ({description})"
+            )
 
     def message(self, text):
         """Print a line that stays."""

@@ -1,4 +1,5 @@
-"""What is rendered: methods, jobs named by a hash of their content, and the folder that keeps finished jobs."""
+"""What is rendered: methods, jobs named by a hash of their content, and the folder that keeps finished
+jobs."""
 
 import hashlib
 import json
@@ -36,12 +37,16 @@ def parse_method(text):
     for setting in filter(None, settings.split(",")):
         name, equals, value = setting.partition("=")
         if not equals or not name:
-            raise UserError(f"{text}: '{setting}' is not NAME=VALUE, as in {graph}@paths.bounces=4,label=short")
+            raise UserError(
+                f"{text}: '{setting}' is not NAME=VALUE, as in {graph}@paths.bounces=4,label=short"
+            )
         if name in ("label", "output", "device", "backend"):
             special[name] = value
         else:
             knobs.append((name, knob_value(value)))
-    default = " ".join([Path(graph).stem, *(part for part in settings.split(",") if not part.startswith("label="))])
+    default = " ".join(
+        [Path(graph).stem, *(part for part in settings.split(",") if not part.startswith("label="))]
+    )
     return Method(**{"label": default.strip(), **special}, graph=graph, knobs=tuple(knobs))
 
 
@@ -80,7 +85,9 @@ class Job:
     @property
     def key(self):
         """32 hexadecimal digits of the job's content; file names and labels are not part of it."""
-        content = {name: value for name, value in asdict(self).items() if name not in ("scene", "graph", "label")}
+        content = {
+            name: value for name, value in asdict(self).items() if name not in ("scene", "graph", "label")
+        }
         return digest(json.dumps(content, sort_keys=True).encode())
 
     def frames_measured(self):
@@ -98,7 +105,8 @@ class Job:
 
 
 def seed_of(*parts):
-    """A 31-bit seed hashed from `parts`: consecutive seeds of some generators give shifted streams (ALGORITHMS O22)."""
+    """A 31-bit seed hashed from `parts`: consecutive seeds of some generators give shifted streams
+    (ALGORITHMS O22)."""
     return int(digest(json.dumps(parts).encode())[:8], 16) >> 1
 
 
@@ -115,7 +123,9 @@ class Cache:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise UserError(f"{folder}: cannot make the cache folder: {error.strerror}; choose one with --cache") from None
+            raise UserError(
+                f"{folder}: cannot make the cache folder: {error.strerror}; " "choose one with --cache"
+            ) from None
 
     def path(self, key):
         """Where the result `key` lies or will lie."""

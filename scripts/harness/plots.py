@@ -10,9 +10,20 @@ from harness import statistics as st
 from harness.analysis import METRICS
 
 matplotlib.use("svg")
-matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "restirpg", "font.size": 9, "font.family": "sans-serif",
-                            "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.alpha": 0.25,
-                            "legend.frameon": False, "figure.autolayout": True})
+matplotlib.rcParams.update(
+    {
+        "svg.fonttype": "none",
+        "svg.hashsalt": "restirpg",
+        "font.size": 9,
+        "font.family": "sans-serif",
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.grid": True,
+        "grid.alpha": 0.25,
+        "legend.frameon": False,
+        "figure.autolayout": True,
+    }
+)
 
 from matplotlib import pyplot  # noqa: E402
 
@@ -26,7 +37,7 @@ def _svg(figure):
     figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None}, transparent=True)
     pyplot.close(figure)
     text = stream.getvalue()
-    return text[text.index("<svg"):]
+    return text[text.index("<svg") :]
 
 
 def _curve(axes, x, values, colour, label):
@@ -50,9 +61,11 @@ def error_curves(scene, metric, over):
         x = method.frames if over == "frames" else method.gpu_ms.mean(axis=0) / 1e3
         _curve(axes, x, method.curves[metric], COLOURS[number % len(COLOURS)], method.label)
         positive &= bool(np.all(method.curves[metric].mean(axis=0) > 0))
-    _frame_axis(axes) if over == "frames" else axes.set_xscale("log")
     axes.set_yscale("log" if positive else "linear")
-    if over == "time":
+    if over == "frames":
+        _frame_axis(axes)
+    else:
+        axes.set_xscale("log")
         axes.set_xlabel("GPU time, s")
         axes.axvline(scene.common_ms / 1e3, color="#888", linestyle=":", linewidth=1)
     axes.set_ylabel(TITLES[metric])
@@ -84,10 +97,17 @@ def _stacked_bars(rows, unit, most=10):
     left = np.zeros(len(rows))
     colours = matplotlib.colormaps["tab20"].colors
     for number, name in enumerate([*shown, "other"]):
-        values = np.array([sum(value for part, value in parts.items() if (part not in shown if name == "other" else part == name))
-                           for parts in rows.values()], float)
+        values = np.array(
+            [
+                sum(value for part, value in parts.items() if (part if part in shown else "other") == name)
+                for parts in rows.values()
+            ],
+            float,
+        )
         if values.any():
-            axes.barh(range(len(rows)), values, left=left, label=name, color=colours[number % 20], height=0.65)
+            axes.barh(
+                range(len(rows)), values, left=left, label=name, color=colours[number % 20], height=0.65
+            )
         left += values
     for row, total in enumerate(left):
         axes.text(total, row, f" {total:.4g}", va="center")
@@ -106,16 +126,36 @@ def pass_costs(scene):
 
 def memory(scene):
     """MiB of the scene and of each resource, stacked."""
-    return _stacked_bars({method.label: {name: size / 2 ** 20 for name, size in method.memory.items()}
-                          for method in scene.methods}, "MiB")
+    return _stacked_bars(
+        {
+            method.label: {name: size / 2**20 for name, size in method.memory.items()}
+            for method in scene.methods
+        },
+        "MiB",
+    )
 
 
 def charts(scene):
     """[(title, svg)] of a scene."""
-    result = [(f"{metric} over {over}", error_curves(scene, metric, over)) for metric in METRICS for over in ("frames", "time")]
-    return [*result, ("bias over frames", bias_curves(scene)), ("cost of passes", pass_costs(scene)), ("memory", memory(scene))]
+    errors = [
+        (f"{metric} over {over}", error_curves(scene, metric, over))
+        for metric in METRICS
+        for over in ("frames", "time")
+    ]
+    return [
+        *errors,
+        ("bias over frames", bias_curves(scene)),
+        ("cost of passes", pass_costs(scene)),
+        ("memory", memory(scene)),
+    ]
 
 
 def colour_map(name, entries=128):
     """A matplotlib colour map as a flat list of bytes, for the viewer."""
-    return (matplotlib.colormaps[name](np.linspace(0, 1, entries))[:, :3] * 255).round().astype(int).ravel().tolist()
+    return (
+        (matplotlib.colormaps[name](np.linspace(0, 1, entries))[:, :3] * 255)
+        .round()
+        .astype(int)
+        .ravel()
+        .tolist()
+    )

@@ -17,7 +17,9 @@ from harness import plots, render, tables
 from harness import statistics as st
 
 FOLDER = Path(__file__).resolve().parent
-PICTURE_BUDGET = 96 << 20  # bytes of half floats in one report; single frames and means of seeds are left out first
+PICTURE_BUDGET = (
+    96 << 20
+)  # bytes of half floats in one report; single frames and means of seeds are left out first
 KINDS = {"image": "picture (first seed)", "mean": "mean of all seeds", "frame": "last frame alone"}
 
 
@@ -35,12 +37,26 @@ def _viewer_data(scene, kinds):
     """What viewer.js shows of a scene: see its head for the format."""
     truth = scene.reference["mean"].astype(float)
     y = st.luminance(truth)
-    error = np.array([np.abs(method.images["image"] - truth) / (0.01 * y.mean() + y)[..., None] for method in scene.methods])
+    error = np.array(
+        [
+            np.abs(method.images["image"] - truth) / (0.01 * y.mean() + y)[..., None]
+            for method in scene.methods
+        ]
+    )
     exposure = -float(np.log2(max(np.percentile(y, 90), 1e-6))) - 1
     pictures = [{"label": "reference", "image": _half(truth)}]
-    pictures += [{"label": method.label, **{kind: _half(method.images[kind]) for kind in kinds}} for method in scene.methods]
-    return {"width": truth.shape[1], "height": truth.shape[0], "floor": 0.01 * float(y.mean()), "exposure": round(exposure, 1),
-            "scale": float(np.percentile(error.mean(axis=-1), 98)), "pictures": pictures}
+    pictures += [
+        {"label": method.label, **{kind: _half(method.images[kind]) for kind in kinds}}
+        for method in scene.methods
+    ]
+    return {
+        "width": truth.shape[1],
+        "height": truth.shape[0],
+        "floor": 0.01 * float(y.mean()),
+        "exposure": round(exposure, 1),
+        "scale": float(np.percentile(error.mean(axis=-1), 98)),
+        "pictures": pictures,
+    }
 
 
 def graph_lines(description):
@@ -51,8 +67,12 @@ def graph_lines(description):
         for name, source in sorted(entry.get("inputs", {}).items()):
             wired = f"{source['pass']}.{source['output']}" if source else "nothing"
             lines.append(f"    {name} <- {f'prev({wired})' if source and source.get('delayed') else wired}")
-        lines += [f"    {name} = {json.dumps(value)}" for name, value in sorted(entry.get("knobs", {}).items())]
-    return lines + [f"output {entry['name']} <- {entry['pass']}.{entry['output']}" for entry in description["outputs"]]
+        lines += [
+            f"    {name} = {json.dumps(value)}" for name, value in sorted(entry.get("knobs", {}).items())
+        ]
+    return lines + [
+        f"output {entry['name']} <- {entry['pass']}.{entry['output']}" for entry in description["outputs"]
+    ]
 
 
 def side_by_side(left, right):
@@ -60,8 +80,13 @@ def side_by_side(left, right):
     rows = []
     for kind, a, b, c, d in difflib.SequenceMatcher(None, left, right, autojunk=False).get_opcodes():
         for offset in range(max(b - a, d - c)):
-            rows.append((left[a + offset] if a + offset < b else "", right[c + offset] if c + offset < d else "",
-                         kind != "equal"))
+            rows.append(
+                (
+                    left[a + offset] if a + offset < b else "",
+                    right[c + offset] if c + offset < d else "",
+                    kind != "equal",
+                )
+            )
     return rows
 
 
@@ -69,62 +94,116 @@ def _graphs(scene):
     """[(baseline's label, method's label, rows)]; a single method beside itself."""
     labels = list(scene.descriptions)
     first = graph_lines(scene.descriptions[labels[0]])
-    return [(labels[0], label, side_by_side(first, graph_lines(scene.descriptions[label]))) for label in labels[1:] or labels]
+    return [
+        (labels[0], label, side_by_side(first, graph_lines(scene.descriptions[label])))
+        for label in labels[1:] or labels
+    ]
 
 
 def commit():
     """The repository's commit, with "+ changes" when the working tree differs from it."""
+
     def git(*arguments):
         run = subprocess.run(["git", "-C", str(render.ROOT), *arguments], capture_output=True, text=True)
         return run.stdout.strip() if run.returncode == 0 else ""
 
     name = git("rev-parse", "--short=12", "HEAD")
-    return name + (" + changes" if name and git("status", "--porcelain", "--untracked-files=no") else "") or "unknown"
+    return (
+        name + (" + changes" if name and git("status", "--porcelain", "--untracked-files=no") else "")
+        or "unknown"
+    )
 
 
 def _provenance(settings, comparison):
-    devices = sorted({", ".join(str(device[key]) for key in ("name", "driver", "backend"))
-                      for device in comparison.device.values()})
-    rows = [("command", shlex.join(["scripts/compare.py", *sys.argv[1:]])),
-            ("written", datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC")),
-            ("commit", commit()), ("code hash", comparison.code), ("device", "; ".join(devices)),
-            ("size, frames, seeds", f"{settings.size[0]}x{settings.size[1]}, {settings.frames}, {settings.seeds}"),
-            ("seeds", ", ".join(map(str, comparison.seeds()))),
-            ("bounce cap", str(settings.bounces or "the scene's or the graph's own"))]
-    rows += [(f"method {method.label}", " ".join([method.graph, *(f"{name}={value}" for name, value in method.knobs)]))
-             for method in settings.methods]
-    return rows + [(f"scene {plan['scene']}", f"content {plan['methods'][0].scene_hash}") for plan in comparison.plans]
+    devices = sorted(
+        {
+            ", ".join(str(device[key]) for key in ("name", "driver", "backend"))
+            for device in comparison.device.values()
+        }
+    )
+    rows = [
+        ("command", shlex.join(["scripts/compare.py", *sys.argv[1:]])),
+        ("written", datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC")),
+        ("commit", commit()),
+        ("code hash", comparison.code),
+        ("device", "; ".join(devices)),
+        (
+            "size, frames, seeds",
+            f"{settings.size[0]}x{settings.size[1]}, {settings.frames}, {settings.seeds}",
+        ),
+        ("seeds", ", ".join(map(str, comparison.seeds()))),
+        ("bounce cap", str(settings.bounces or "the scene's or the graph's own")),
+    ]
+    rows += [
+        (
+            f"method {method.label}",
+            " ".join([method.graph, *(f"{name}={value}" for name, value in method.knobs)]),
+        )
+        for method in settings.methods
+    ]
+    return rows + [
+        (f"scene {plan['scene']}", f"content {plan['methods'][0].scene_hash}") for plan in comparison.plans
+    ]
 
 
 def write(findings, settings, comparison, file):
     """Write the report of `findings` to `file`, whole or not at all."""
-    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(FOLDER), autoescape=True, trim_blocks=True,
-                                     lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(FOLDER),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
     kinds = _kinds_within_budget(findings)
-    scenes = [{"name": scene.scene, "findings": scene, "reference": tables.reference_line(scene),
-               "tables": [*tables.equal_tables(scene), tables.quality_table(scene)], "graphs": _graphs(scene),
-               "charts": [(title, base64.b64encode(svg.encode()).decode()) for title, svg in plots.charts(scene)],
-               "data": json.dumps(_viewer_data(scene, kinds)).replace("<", "\\u003c")} for scene in findings]
+    scenes = [
+        {
+            "name": scene.scene,
+            "findings": scene,
+            "reference": tables.reference_line(scene),
+            "tables": [*tables.equal_tables(scene), tables.quality_table(scene)],
+            "graphs": _graphs(scene),
+            "charts": [
+                (title, base64.b64encode(svg.encode()).decode()) for title, svg in plots.charts(scene)
+            ],
+            "data": json.dumps(_viewer_data(scene, kinds)).replace("<", "\\u003c"),
+        }
+        for scene in findings
+    ]
     maps = {"error": plots.colour_map("inferno"), "signed": plots.colour_map("RdBu_r")}
     text = environment.get_template("report.html.j2").render(
-        title=", ".join(method.label for method in settings.methods), scenes=scenes, failures=comparison.failures,
-        provenance=_provenance(settings, comparison), style=(FOLDER / "report.css").read_text(),
-        script=(FOLDER / "viewer.js").read_text(), maps=json.dumps(maps), kinds={kind: KINDS[kind] for kind in kinds},
-        left_out=[KINDS[kind] for kind in KINDS if kind not in kinds], significant=tables.is_significant,
-        level=100 * st.LEVEL)
+        title=", ".join(method.label for method in settings.methods),
+        scenes=scenes,
+        failures=comparison.failures,
+        provenance=_provenance(settings, comparison),
+        style=(FOLDER / "report.css").read_text(),
+        script=(FOLDER / "viewer.js").read_text(),
+        maps=json.dumps(maps),
+        kinds={kind: KINDS[kind] for kind in kinds},
+        left_out=[KINDS[kind] for kind in KINDS if kind not in kinds],
+        significant=tables.is_significant,
+        level=100 * st.LEVEL,
+    )
     temporary = Path(file).with_name(f".{Path(file).name}.{os.getpid()}")
     temporary.write_text(text)
     os.replace(temporary, file)
 
 
 def write_pictures(findings, folder):
-    """Write each reference and method as SCENE.METHOD.exr: the first seed's picture, the mean of seeds as a layer."""
+    """Write each reference and method as SCENE.METHOD.exr: the first seed's picture, the mean of seeds as a
+    layer."""
     folder.mkdir(parents=True, exist_ok=True)
     for scene in findings:
         stem = Path(scene.scene).stem
-        render.write_exr(folder / f"{stem}.reference.exr", {"": scene.reference["mean"]},
-                         {"reference": json.dumps(scene.reference["meta"])})
+        render.write_exr(
+            folder / f"{stem}.reference.exr",
+            {"": scene.reference["mean"]},
+            {"reference": json.dumps(scene.reference["meta"])},
+        )
         for method in scene.methods:
             name = "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in method.label)
-            render.write_exr(folder / f"{stem}.{name}.exr", {"": method.images["image"], "mean": method.images["mean"]},
-                             {"graph": json.dumps(scene.descriptions[method.label])})
+            render.write_exr(
+                folder / f"{stem}.{name}.exr",
+                {"": method.images["image"], "mean": method.images["mean"]},
+                {"graph": json.dumps(scene.descriptions[method.label])},
+            )

@@ -1,4 +1,5 @@
-"""What the harness must know of a scene file before the renderer loads it: its content's hash and its bounce cap."""
+"""What the harness must know of a scene file before the renderer loads it: its content's hash and its bounce
+cap."""
 
 import json
 import struct
@@ -14,8 +15,8 @@ def _document(file):
     try:
         data = Path(file).read_bytes()
         if data[:4] == b"glTF":
-            length, = struct.unpack_from("<I", data, 12)
-            data = data[20:20 + length]
+            (length,) = struct.unpack_from("<I", data, 12)
+            data = data[20 : 20 + length]
         document = json.loads(data)
     except (ValueError, struct.error):
         return {}
@@ -36,16 +37,27 @@ def bounce_cap(file):
 
 
 def content_hash(file, environment=None):
-    """Hash of the file, of the files it names, and of the environment. Raises UserError when the file is not there."""
+    """Hash of the file, of the files it names, and of the environment. Raises UserError when the file is not
+    there."""
     path = Path(file)
     if not path.is_file():
-        raise UserError(f"{file}: no such scene; scripts/make_scenes.py writes the embedded ones to out/scenes")
+        raise UserError(
+            f"{file}: no such scene; scripts/make_scenes.py writes the embedded ones to out/scenes"
+        )
     document = _document(file)
-    named = [item.get("uri") for kind in ("buffers", "images") for item in document.get(kind, []) if isinstance(item, dict)]
+    named = [
+        item.get("uri")
+        for kind in ("buffers", "images")
+        for item in document.get(kind, [])
+        if isinstance(item, dict)
+    ]
     named.append(_extras(document).get("environment"))
     parts = [path.read_bytes(), str(environment).encode()]
-    others = [path.parent / urllib.parse.unquote(uri) for uri in named
-              if isinstance(uri, str) and not uri.startswith("data:")]
+    others = [
+        path.parent / urllib.parse.unquote(uri)
+        for uri in named
+        if isinstance(uri, str) and not uri.startswith("data:")
+    ]
     for other in [*others, Path(environment or "")]:
         if other.is_file():
             parts.append(other.read_bytes())

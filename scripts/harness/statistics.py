@@ -11,7 +11,8 @@ POWER = 0.8  # with which the "smallest detectable" difference would have been f
 
 @dataclass(frozen=True)
 class Test:
-    """A t-test of a difference: its estimate, standard error, degrees of freedom and p-value before correction."""
+    """A t-test of a difference: its estimate, standard error, degrees of freedom and p-value before
+    correction."""
 
     difference: float
     se: float
@@ -23,7 +24,8 @@ class Test:
         return float(stats.t.ppf(0.5 + coverage / 2, self.dof) * self.se) if self.dof > 0 else float("nan")
 
     def smallest_detectable(self, tests=1):
-        """The difference found with probability POWER at LEVEL over `tests` tests (the first step of Holm)."""
+        """The difference found with probability POWER at LEVEL over `tests` tests (the first step of
+        Holm)."""
         if not self.dof > 0:
             return float("nan")
         return float((stats.t.ppf(1 - LEVEL / tests / 2, self.dof) + stats.t.ppf(POWER, self.dof)) * self.se)
@@ -44,7 +46,11 @@ def mean_se(values, axis=0):
     """Mean and its standard error over independent runs; the error of a single run is NaN."""
     values = np.asarray(values, float)
     count = values.shape[axis]
-    se = values.std(axis=axis, ddof=1) / np.sqrt(count) if count > 1 else np.full_like(values.mean(axis=axis), np.nan)
+    se = (
+        values.std(axis=axis, ddof=1) / np.sqrt(count)
+        if count > 1
+        else np.full_like(values.mean(axis=axis), np.nan)
+    )
     return values.mean(axis=axis), se
 
 
@@ -61,7 +67,7 @@ def welch(a, b):
     if len(a) < 2:
         return _t_test(a.mean() - b.mean(), np.nan, 0)
     va, vb = a.var(ddof=1) / len(a), b.var(ddof=1) / len(b) if len(b) > 1 else 0.0
-    squares = va ** 2 / (len(a) - 1) + (vb ** 2 / (len(b) - 1) if len(b) > 1 else 0.0)
+    squares = va**2 / (len(a) - 1) + (vb**2 / (len(b) - 1) if len(b) > 1 else 0.0)
     dof = (va + vb) ** 2 / squares if squares > 0 else len(a) - 1
     return _t_test(a.mean() - b.mean(), np.sqrt(va + vb), dof)
 
@@ -72,14 +78,15 @@ def welch_p_values(a, b):
     va, na = a.var(axis=0, ddof=1) / len(a), len(a) - 1
     vb, nb = (b.var(axis=0, ddof=1) / len(b), len(b) - 1) if len(b) > 1 else (np.zeros_like(va), 1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        dof = (va + vb) ** 2 / (va ** 2 / na + vb ** 2 / nb)
+        dof = (va + vb) ** 2 / (va**2 / na + vb**2 / nb)
         t = np.abs(a.mean(axis=0) - b.mean(axis=0)) / np.sqrt(va + vb)
     p = 2 * stats.t.sf(t, np.nan_to_num(dof, nan=1))
     return np.where(np.isnan(t), 1.0, p)  # no spread and no difference: a block that is black in every run
 
 
 def holm(p_values):
-    """Holm's adjusted p-values: family-wise error rate under any dependence. NaN (untested) is no part of the family."""
+    """Holm's adjusted p-values: family-wise error rate under any dependence. NaN (untested) is no part of the
+    family."""
     p = np.asarray(p_values, float)
     adjusted = np.full(p.shape, np.nan)
     tested = np.flatnonzero(~np.isnan(p))
@@ -100,16 +107,16 @@ def block_means(images, size=8):
     height, width = (n // size for n in images.shape[-2:])
     if height == 0 or width == 0:
         return images.mean(axis=(-2, -1), keepdims=True)
-    cut = images[..., :height * size, :width * size]
+    cut = images[..., : height * size, : width * size]
     return cut.reshape(*cut.shape[:-2], height, size, width, size).mean(axis=(-3, -1))
 
 
 def block_correlation(images, size=8):
     """Variance of block means over the variance they would have if pixels were independent (ALGORITHMS 10.4).
 
-    `images`: (runs, H, W) of independent runs. 1: independent pixels; size^2: each block moves as one. Returns the
-    ratio of the sums over all blocks, and its standard error by the jackknife over runs; NaN for fewer than 2 runs
-    (the error: 3).
+    `images`: (runs, H, W) of independent runs. 1: independent pixels; size^2: each block moves as one.
+    Returns the ratio of the sums over all blocks, and its standard error by the jackknife over runs; NaN for
+    fewer than 2 runs (the error: 3).
     """
     images = np.asarray(images, float)
     if len(images) < 2 or min(images.shape[-2:]) < size:
@@ -117,19 +124,21 @@ def block_correlation(images, size=8):
 
     def ratio(runs):
         together = block_means(runs, size).var(axis=0, ddof=1).sum()
-        alone = block_means(runs.var(axis=0, ddof=1), size).sum() / size ** 2
+        alone = block_means(runs.var(axis=0, ddof=1), size).sum() / size**2
         return together / alone if alone > 0 else float("nan")
 
     count = len(images)
     if count < 3:
         return float(ratio(images)), float("nan")
     left_out = np.array([ratio(np.delete(images, run, axis=0)) for run in range(count)])
-    return float(ratio(images)), float(np.sqrt((count - 1) / count * np.sum((left_out - left_out.mean()) ** 2)))
+    return float(ratio(images)), float(
+        np.sqrt((count - 1) / count * np.sum((left_out - left_out.mean()) ** 2))
+    )
 
 
 def temporal_correlation(sums, reference_variance):
-    """Autocorrelation at lag 1 from render.TemporalSums.sums; the reference's own variance (mean over pixels, of
-    luminance) is in both products and is subtracted."""
+    """Autocorrelation at lag 1 from render.TemporalSums.sums; the reference's own variance (mean over pixels,
+    of luminance) is in both products and is subtracted."""
     product, products, square, squares = sums
     if not products or not squares:
         return float("nan")
@@ -138,7 +147,8 @@ def temporal_correlation(sums, reference_variance):
 
 
 def at_time(times, values, time):
-    """A curve's value at `time`, linear in log(time) and log(value) between measured frames; NaN outside them."""
+    """A curve's value at `time`, linear in log(time) and log(value) between measured frames; NaN outside
+    them."""
     times, values = np.asarray(times, float), np.asarray(values, float)
     if not times[0] <= time <= times[-1] * (1 + 1e-9):
         return float("nan")

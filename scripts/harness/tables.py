@@ -30,12 +30,16 @@ def with_error(value, error, scale=1.0, unit=""):
 
 
 def verdict(method, baseline, metric, mode):
-    """How the method's error compares with the baseline's: ratio of means and a word; the word needs p < LEVEL."""
+    """How the method's error compares with the baseline's: ratio of means and a word; the word needs p <
+    LEVEL."""
     kind = (metric, mode)
     if not method.against:
         return "baseline"
     values = method.equal_frame if mode == "frame" else method.equal_time
-    own, other = values[metric][0], (baseline.equal_frame if mode == "frame" else baseline.equal_time)[metric][0]
+    own, other = (
+        values[metric][0],
+        (baseline.equal_frame if mode == "frame" else baseline.equal_time)[metric][0],
+    )
     ratio = f"×{own / other:.3f} " if other > 0 and own > 0 else ""
     p = method.adjusted[kind]
     if math.isnan(p):
@@ -73,8 +77,10 @@ def equal_tables(scene):
     """[(title, header, rows)] of the errors at equal frames and at equal time."""
     tables = []
     frames = int(scene.methods[0].frames[-1])
-    for mode, title in (("frame", f"Equal frames: after {frames}"),
-                        ("time", f"Equal time: after {scene.common_ms / 1e3:.3g} s of GPU time")):
+    for mode, title in (
+        ("frame", f"Equal frames: after {frames}"),
+        ("time", f"Equal time: after {scene.common_ms / 1e3:.3g} s of GPU time"),
+    ):
         header, rows = ["method"], []
         header += [text for metric in METRICS for text in (TITLES[metric], "against the first")]
         header += ["GPU ms/frame", "wall ms/frame"] if mode == "frame" else ["frames"]
@@ -83,11 +89,18 @@ def equal_tables(scene):
             row = [method.label]
             for metric in METRICS:
                 scale, unit = (100, "%") if metric == "mape" else (1, "")
-                row += [with_error(*values[metric], scale, unit), verdict(method, scene.methods[0], metric, mode)]
+                row += [
+                    with_error(*values[metric], scale, unit),
+                    verdict(method, scene.methods[0], metric, mode),
+                ]
             if mode == "frame":
-                row += [with_error(*st.mean_se(times[:, -1] / frames)) for times in (method.gpu_ms, method.wall_ms)]
+                row += [
+                    with_error(*st.mean_se(times[:, -1] / frames))
+                    for times in (method.gpu_ms, method.wall_ms)
+                ]
             else:
-                row.append(f"{sum(st.at_time(t, method.frames, scene.common_ms) for t in method.gpu_ms) / len(method.gpu_ms):.3g}")
+                frames_then = [st.at_time(times, method.frames, scene.common_ms) for times in method.gpu_ms]
+                row.append(f"{sum(frames_then) / len(frames_then):.3g}")
             rows.append(row)
         tables.append((title, header, rows))
     return tables
@@ -95,12 +108,29 @@ def equal_tables(scene):
 
 def quality_table(scene):
     """(title, header, rows) of bias and correlation."""
-    header = ["method", "bias of the mean", "tested", "smallest detectable", "8×8 blocks", "blotches, one frame",
-              "blotches, picture", "boiling, lag 1"]
-    rows = [[method.label, with_error(method.bias.difference, method.bias.se, 100, "%"), bias_verdict(method),
-             f"{100 * method.bias.smallest_detectable(scene.bias_tests):.2g}%" if method.bias.dof else "—",
-             block_cell(method), with_error(*method.spatial_frame), with_error(*method.spatial_image),
-             with_error(*method.temporal)] for method in scene.methods]
+    header = [
+        "method",
+        "bias of the mean",
+        "tested",
+        "smallest detectable",
+        "8×8 blocks",
+        "blotches, one frame",
+        "blotches, picture",
+        "boiling, lag 1",
+    ]
+    rows = [
+        [
+            method.label,
+            with_error(method.bias.difference, method.bias.se, 100, "%"),
+            bias_verdict(method),
+            f"{100 * method.bias.smallest_detectable(scene.bias_tests):.2g}%" if method.bias.dof else "—",
+            block_cell(method),
+            with_error(*method.spatial_frame),
+            with_error(*method.spatial_image),
+            with_error(*method.temporal),
+        ]
+        for method in scene.methods
+    ]
     return "Bias and correlation", header, rows
 
 
@@ -109,9 +139,11 @@ def reference_line(scene):
     meta = scene.reference["meta"]
     if not meta["batches"]:
         return f"reference: {meta['source']}, taken as exact: its own error is not known"
-    return (f"reference: {meta['source']}, {meta['batches']} batches of {meta['frames']} frames; standard error of its mean "
-            f"{100 * scene.noise['relative_se']:.2g}%; its noise is {scene.noise['relmse']:.2g} of relMSE (subtracted) and a "
-            f"floor of {100 * scene.noise['mape']:.2g}% under MAPE (not subtracted)")
+    return (
+        f"reference: {meta['source']}, {meta['batches']} batches of {meta['frames']} frames; standard error of "
+        f"its mean {100 * scene.noise['relative_se']:.2g}%; its noise is {scene.noise['relmse']:.2g} of relMSE "
+        f"(subtracted) and a floor of {100 * scene.noise['mape']:.2g}% under MAPE (not subtracted)"
+    )
 
 
 def as_text(findings, width=None):
@@ -130,8 +162,10 @@ def as_text(findings, width=None):
             for row in rows:
                 table.add_row(*row)
             console.print(table, highlight=False)
-    console.print(f"Errors are ± one standard error over seeds. Tests are paired by seed; words are at {100 * st.LEVEL:.0f}% "
-                  "over all methods and scenes (Holm).", highlight=False)
+    console.print(
+        f"Errors are ± one standard error over seeds. Tests are paired by seed; words are at {100 *
+        st.LEVEL:.0f}% " "over all methods and scenes (Holm).", highlight=False,
+    )
     return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
 
 
@@ -148,25 +182,54 @@ def write_csv(findings, folder):
     """Write runs.csv (every seed and measured frame) and summary.csv (every method) into `folder`."""
     folder = Path(folder)
     names = ("mape", "relmse", "bias")
-    rows = [[scene.scene, method.label, seed, int(frame), *(f"{method.curves[name][seed, at]:.9g}" for name in names),
-             f"{method.gpu_ms[seed, at]:.6g}", f"{method.wall_ms[seed, at]:.6g}"]
-            for scene in findings for method in scene.methods
-            for seed in range(scene.seeds) for at, frame in enumerate(method.frames)]
+    rows = [
+        [
+            scene.scene,
+            method.label,
+            seed,
+            int(frame),
+            *(f"{method.curves[name][seed, at]:.9g}" for name in names),
+            f"{method.gpu_ms[seed, at]:.6g}",
+            f"{method.wall_ms[seed, at]:.6g}",
+        ]
+        for scene in findings
+        for method in scene.methods
+        for seed in range(scene.seeds)
+        for at, frame in enumerate(method.frames)
+    ]
     _write(folder / "runs.csv", ["scene", "method", "seed", "frame", *names, "gpu_ms", "wall_ms"], rows)
     header, rows = ["scene", "method", "common_gpu_ms"], []
     for mode in ("frame", "time"):
         for metric in METRICS:
             header += [f"{metric}_{mode}", f"{metric}_{mode}_se", f"{metric}_{mode}_p"]
-    header += ["bias", "bias_se", "bias_p", "detectable_bias", "blocks_p", "spatial_frame", "spatial_frame_se",
-               "spatial_image", "spatial_image_se", "temporal", "temporal_se"]
+    header += [
+        "bias",
+        "bias_se",
+        "bias_p",
+        "detectable_bias",
+        "blocks_p",
+        "spatial_frame",
+        "spatial_frame_se",
+        "spatial_image",
+        "spatial_image_se",
+        "temporal",
+        "temporal_se",
+    ]
     for scene in findings:
         for method in scene.methods:
             row = [scene.scene, method.label, f"{scene.common_ms:.6g}"]
             for mode, values in (("frame", method.equal_frame), ("time", method.equal_time)):
                 for metric in METRICS:
                     row += [*values[metric], method.adjusted.get((metric, mode), float("nan"))]
-            row += [method.bias.difference, method.bias.se, method.adjusted["bias"],
-                    method.bias.smallest_detectable(scene.bias_tests), method.adjusted["blocks"], *method.spatial_frame,
-                    *method.spatial_image, *method.temporal]
+            row += [
+                method.bias.difference,
+                method.bias.se,
+                method.adjusted["bias"],
+                method.bias.smallest_detectable(scene.bias_tests),
+                method.adjusted["blocks"],
+                *method.spatial_frame,
+                *method.spatial_image,
+                *method.temporal,
+            ]
             rows.append([value if isinstance(value, str) else f"{float(value):.9g}" for value in row])
     _write(folder / "summary.csv", header, rows)

@@ -18,7 +18,9 @@ _context = multiprocessing.get_context("spawn")  # a fork would inherit the pare
 
 def _serve(connection, folder, log):
     """A worker's whole life: take a task, answer with ticks and one result, until the pipe closes."""
-    with open(log, "ab", buffering=0) as file:  # the renderer's own messages must not spoil the progress display
+    with open(
+        log, "ab", buffering=0
+    ) as file:  # the renderer's own messages must not spoil the progress display
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
     faulthandler.enable()
@@ -33,8 +35,14 @@ def _serve(connection, folder, log):
                     continue
                 reference = cache.load(job.reference) if job.reference else None
                 result = render.run(job, reference, lambda frames: connection.send(("tick", frames)))
-                result["meta"]["job"] = {"label": job.label, "scene": job.scene, "graph": job.graph, "seed": job.seed,
-                                         "size": list(job.size), "frames": job.frames}
+                result["meta"]["job"] = {
+                    "label": job.label,
+                    "scene": job.scene,
+                    "graph": job.graph,
+                    "seed": job.seed,
+                    "size": list(job.size),
+                    "frames": job.frames,
+                }
                 cache.store(job.key, result)
                 connection.send(("done", None))
             except (BrokenPipeError, EOFError):
@@ -53,7 +61,8 @@ class _Worker:
         self.job = None
         self.connection, theirs = _context.Pipe()
         self.process = _context.Process(target=_serve, args=(theirs, str(folder), str(self.log)), daemon=True)
-        # Ctrl-C reaches the whole process group: the parent alone decides what ends, so the worker never sees it.
+        # Ctrl-C reaches the whole process group: the parent alone decides what ends, so the worker never sees
+        # it.
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         self.process.start()
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
@@ -97,7 +106,8 @@ class Pool:
         self._idle = []
 
     def run(self, jobs, kind="run", on_tick=lambda job, frames: None):
-        """Run the jobs in order; yields (job, failure, answer) as they end: failure is a line of text or None."""
+        """Run the jobs in order; yields (job, failure, answer) as they end: failure is a line of text or
+        None."""
         waiting, busy = list(jobs), {}
         try:
             while waiting or busy:

@@ -46,7 +46,7 @@ def furnace_environment():
 
 
 def furnace_closed():
-    """Closed furnace: emission 1, albedo 1/2 all around; n bounces give the radiance 2 - 2^-n."""
+    """Closed furnace: emission 1, albedo 1/2 all around; a bounce cap n gives the radiance 2 - 2^-(n + 1)."""
     scene = SceneFile("furnace_closed", 8)
     scene.add("Walls", (shapes.box((-1, -1, -1), (1, 1, 1)).inverted(), lambert("Glow", (0.5,) * 3, emission=(1.0,) * 3)))
     scene.add_camera((0.5, 0.35, 0.8), (-0.4, -0.2, -0.6), 55.0)

@@ -1,10 +1,13 @@
 """Door ajar: a room lit only through a slightly open door. After the difficulty of E. Veach's scene, in our own design."""
 
+import math
+
 import numpy as np
 
 from . import furniture, shapes, textures
 from .architecture import reveal, skirting, wall
-from .gltf import Material, SceneFile, emitter, glass, lambert, metal, rotation
+from .gltf import (Material, SceneFile, as_given, as_lambert, as_polished, emitter, glass, lambert, metal,
+                   rotation)
 
 # The front room, and a back room behind a wall 0.14 m thick, that holds the lamp; metres.
 LEFT, RIGHT, BACK, FRONT, HEIGHT = -2.3, 2.3, -2.2, 2.9, 2.7
@@ -56,7 +59,7 @@ def _door(scene, angle):
 
 def _table(scene, pot_finishes):
     """The table with the three teapots, a candlestick and a bowl of fruit, and a chair."""
-    oak = Material("Oak", (1.0, 1.0, 1.0), roughness=0.32, texture=textures.wood((0.12, 0.055, 0.022), (0.36, 0.19, 0.08)))
+    oak = Material("Oak", (1.0, 1.0, 1.0), roughness=0.32, texture=textures.wood((0.26, 0.14, 0.065), (0.58, 0.38, 0.20)))
     table = furniture.table(1.5, 0.85, TABLE_TOP)
     scene.add("Table", (table["top"], oak), (table["legs"], oak), at=(0.35, 0, 0.25))
     pot = furniture.teapot()
@@ -116,16 +119,18 @@ def _rug_point(u, v):
     return np.stack([1.9 * (u - 0.5), y, 2.8 * (0.5 - v)], -1)
 
 
-def _build(name, lambert_only=False, roughness=0.15):
-    scene = SceneFile(name, 4, lambert_only=lambert_only)
+def _build(name, finish=as_given, panel=True):
+    """The whole scene, and its door's node. `panel`: with the light under the back room's ceiling."""
+    scene = SceneFile(name, 4, finish=finish)
     _rooms(scene)
-    door = _door(scene, 15)
+    door = _door(scene, 18)
     _table(scene, (("GlassTeapot", glass("PotGlass", tint=(0.80, 0.93, 0.88), tint_distance=0.3)),
-                   ("MetalTeapot", metal("Copper", (0.93, 0.60, 0.45), roughness)),
+                   ("MetalTeapot", metal("Copper", (0.93, 0.60, 0.45), 0.15)),
                    ("ClayTeapot", lambert("Clay", (0.82, 0.80, 0.75)))))
     _furnishings(scene)
-    light = shapes.quad((0.1, HEIGHT - 0.02, -4.3), (1.2, 0, 0), (0, 0, 1.2))
-    scene.add("BackRoomLight", (light, emitter("Light", (750.0, 640.0, 480.0))))
+    if panel:
+        light = shapes.quad((-0.5, HEIGHT - 0.02, -4.4), (1.1, 0, 0), (0, 0, 1.1))
+        scene.add("BackRoomLight", (light, emitter("Light", (1300.0, 1130.0, 860.0))))
     scene.add_camera((0.50, 1.34, 2.0), (0.06, 0.84, -0.6), 45.0)
     return scene, door
 
@@ -137,16 +142,36 @@ def door_ajar():
 
 def door_ajar_diffuse():
     """Door ajar with every material exactly Lambert, to compare with other renderers."""
-    return _build("door_ajar_diffuse", lambert_only=True)[0]
+    return _build("door_ajar_diffuse", as_lambert)[0]
+
+
+def door_ajar_glossy():
+    """Door ajar with every surface polished: indirect light by way of glossy reflections."""
+    return _build("door_ajar_glossy", as_polished)[0]
 
 
 def door_ajar_animated():
     """Door ajar whose door swings, in a loop of four seconds: the light moves everywhere."""
     scene, door = _build("door_ajar_animated")
-    angles = (15, 20, 28, 36, 40, 36, 28, 20, 15, 12, 15)
-    times = [4.0 * k / (len(angles) - 1) for k in range(len(angles))]
-    scene.animate(door, "rotation", times, [rotation((0, 1, 0), angle) for angle in angles])
+    angles = (18, 22, 29, 36, 40, 36, 29, 22, 16, 13, 18)
+    scene.animate(door, "rotation", _loop_times(angles), [rotation((0, 1, 0), angle) for angle in angles])
     return scene
 
 
-FAMILY = (door_ajar, door_ajar_diffuse, door_ajar_animated)
+def door_ajar_box_light():
+    """Door ajar whose lamp, a glowing box, wanders about the back room in a loop of four seconds."""
+    scene, _ = _build("door_ajar_box_light", panel=False)
+    places = [(0.85 * math.sin(a) - 0.1, 1.9 + 0.35 * math.sin(2 * a), -3.7 + 0.6 * math.cos(a))
+              for a in np.linspace(0, 2 * math.pi, 17)]
+    box = shapes.box((-0.16, -0.16, -0.16), (0.16, 0.16, 0.16))
+    lamp = scene.add("BoxLight", (box, emitter("BoxLight", (1500.0, 1300.0, 1000.0))), at=places[0])
+    scene.animate(lamp, "translation", _loop_times(places), places)
+    return scene
+
+
+def _loop_times(keys):
+    """Times of equally spaced keys of a loop of four seconds."""
+    return [4.0 * k / (len(keys) - 1) for k in range(len(keys))]
+
+
+FAMILY = (door_ajar, door_ajar_diffuse, door_ajar_glossy, door_ajar_animated, door_ajar_box_light)

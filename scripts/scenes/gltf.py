@@ -7,6 +7,7 @@ give the same bytes.
 import json
 import math
 import struct
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -69,6 +70,24 @@ def glass(name, ior=1.5, roughness=0.0, tint=(1.0, 1.0, 1.0), tint_distance=math
                     attenuation_color=tuple(tint), attenuation_distance=tint_distance)
 
 
+def as_given(material):
+    """The material itself."""
+    return material
+
+
+def as_lambert(material):
+    """The material's Lambert counterpart: its colour, without any specular reflection or transmission."""
+    return replace(material, metallic=0.0, roughness=1.0, specular=0.0, transmission=0.0, thickness=0.0,
+                   roughness_texture=None, normal_texture=None)
+
+
+def as_polished(material):
+    """The material under a smooth finish: specular, of at most a quarter of its roughness."""
+    if max(material.emission) > 0:
+        return material
+    return replace(material, specular=1.0, roughness=0.25 * material.roughness)
+
+
 def emitter(name, radiance, **options):
     """A light that reflects nothing and emits `radiance` from its front side."""
     return lambert(name, (0.0, 0.0, 0.0), emission=tuple(radiance), **options)
@@ -108,7 +127,7 @@ class SceneFile:
     name: str
     bounces: int
     environment: object = None
-    lambert_only: bool = False  # write every material as its Lambert counterpart
+    finish: Callable[[Material], Material] = as_given  # applied to every material, for variants of a scene
     _json: dict = field(default_factory=dict)
     _binary: bytearray = field(default_factory=bytearray)
     _cache: dict = field(default_factory=dict)  # key -> (index, the object the key names, kept alive)
@@ -153,9 +172,7 @@ class SceneFile:
         return {"index": self._once(("texture", id(texture)), texture, make)}
 
     def _material(self, material):
-        if self.lambert_only:
-            material = replace(material, metallic=0.0, roughness=1.0, specular=0.0, transmission=0.0, thickness=0.0,
-                               roughness_texture=None, normal_texture=None)
+        material = self.finish(material)
         return self._once(("material", material), material, lambda: self._append(
             "materials", self._material_json(material)))
 

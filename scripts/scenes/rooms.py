@@ -10,6 +10,8 @@ from .gltf import Material, SceneFile, emitter, glass, lambert, metal, rotation
 COVERS = tuple(Material(f"Cover{k}", color, roughness=0.6) for k, color in enumerate(
     ((0.36, 0.06, 0.05), (0.05, 0.11, 0.24), (0.32, 0.24, 0.11), (0.06, 0.18, 0.10), (0.58, 0.53, 0.43), (0.15, 0.06, 0.16))))
 
+TUBE_LAMP = (0.6, 2.15, 1.1)  # out of the camera's sight, its mouth turned away from it
+
 
 def _bookcase(scene, name, material, width, height, boards, seed, at, turn=0.0):
     """A bookcase full of books; one board holds a vase instead."""
@@ -58,12 +60,12 @@ def _uplighter(scene):
                                                    (0.014, 1.38), (0, 1.38)], 1), 48)
     lamp = scene.add("Uplighter", (foot, steel), (furniture.cup_lamp(0.115, 0.36).moved(0, 1.37, 0), steel),
                      at=(-1.55, 0, -1.35))
-    scene.add("UplighterGlow", (furniture.disc(0.10), emitter("UplighterGlow", (1000.0, 860.0, 660.0))), at=(0, 1.415, 0),
+    scene.add("UplighterGlow", (furniture.disc(0.10), emitter("UplighterGlow", (1700.0, 1450.0, 1100.0))), at=(0, 1.415, 0),
               parent=lamp)
 
 
 def _desk(scene):
-    """A desk with the glass egg, which a narrow tube on the wall lights through its mouth, papers, books and a tumbler."""
+    """A desk with the glass egg, which a narrow tube under the ceiling lights through its mouth, papers, books and a tumbler."""
     walnut = Material("Walnut", (1.0,) * 3, roughness=0.28, texture=textures.wood((0.10, 0.045, 0.02), (0.30, 0.16, 0.075), 62))
     desk = furniture.table(1.6, 0.8)
     scene.add("Desk", (desk["top"], walnut), (desk["legs"], walnut), at=(0.45, 0, -0.15))
@@ -83,13 +85,13 @@ def _desk(scene):
     scene.add("Chair", (chair["wood"], walnut), (chair["cushion"], lambert("Felt", (0.10, 0.22, 0.14))), at=(0.5, 0, -0.85),
               turn=rotation((0, 1, 0), 18))
     brass = metal("Brass", (0.91, 0.72, 0.38), 0.22)
-    aim = np.array((0.28, top + 0.10, 0.0)) - (1.5, 2.05, -0.75)
+    aim = np.array((0.28, top + 0.10, 0.0)) - TUBE_LAMP
     yaw, pitch = math.degrees(math.atan2(aim[0], aim[2])), math.degrees(math.acos(aim[1] / np.linalg.norm(aim)))
-    spot = scene.add("TubeLamp", at=(1.5, 2.05, -0.75), turn=rotation((0, 1, 0), yaw))
+    spot = scene.add("TubeLamp", at=TUBE_LAMP, turn=rotation((0, 1, 0), yaw))
     tilt = scene.add("TubeLampHead", (furniture.cup_lamp(0.045, 0.36).moved(0, -0.05, 0), brass), parent=spot,
                      turn=rotation((1, 0, 0), pitch))
-    scene.add("TubeLampGlow", (furniture.disc(0.022), emitter("TubeLampGlow", (7000.0, 6300.0, 5200.0))), at=(0, -0.005, 0), parent=tilt)
-    scene.add("TubeLampArm", (shapes.tube(shapes.bezier([(1.5, 2.06, -0.75), (1.7, 2.25, -0.9), (2.3, 2.1, -1.0)], 16), 0.01, 12),
+    scene.add("TubeLampGlow", (furniture.disc(0.022), emitter("TubeLampGlow", (14000.0, 12600.0, 10400.0))), at=(0, -0.005, 0), parent=tilt)
+    scene.add("TubeLampArm", (shapes.tube([TUBE_LAMP, (TUBE_LAMP[0], 2.6, TUBE_LAMP[2])], 0.01, 12),
                               brass))
 
 

@@ -79,7 +79,7 @@ def _lamps(scene):
     candle = shapes.cylinder(0.022, 0.16, 16, 0.003)
     wax = lambert("Wax", (0.75, 0.66, 0.48))
     flame = shapes.icosphere(1.0, 1).scaled(0.028, 0.055, 0.028)
-    warm = [emitter(f"Flame{k}", np.array((1.0, 0.62, 0.30)) * power) for k, power in enumerate((150.0, 210.0, 280.0))]
+    warm = [emitter(f"Flame{k}", np.array((1.0, 0.62, 0.30)) * power) for k, power in enumerate((260.0, 360.0, 480.0))]
     lit = 0
     for k in range(6):
         z = -1.7 - COLUMN_STEP * k
@@ -106,7 +106,7 @@ def _lamps(scene):
 
 def temple():
     """Temple of seventy small lamps and a sun shaft: many lights of very different reach."""
-    scene = SceneFile("temple", 3, environment=6.0 * textures.sky(68.0, 350.0))
+    scene = SceneFile("temple", 3, environment=3.0 * textures.sky(68.0, 350.0))
     _hall(scene)
     _columns(scene)
     _sanctuary(scene)

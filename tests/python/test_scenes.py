@@ -175,9 +175,10 @@ def test_the_diffuse_variant_has_lambert_materials_only(glbs):
         assert "KHR_materials_transmission" not in material["extensions"]
 
 
-def test_the_animated_door_loops(glbs):
-    animation, = glbs["door_ajar_animated"].json["animations"]
-    keys = glbs["door_ajar_animated"].accessor(animation["samplers"][0]["output"])
+@pytest.mark.parametrize("name", ["door_ajar_animated", "door_ajar_box_light"])
+def test_animations_loop(glbs, name):
+    animation, = glbs[name].json["animations"]
+    keys = glbs[name].accessor(animation["samplers"][0]["output"])
     assert np.abs(keys[0] - keys[-1]).max() < 1e-6 and np.ptp(keys, axis=0).max() > 0.1
 
 
