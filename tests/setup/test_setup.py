@@ -84,7 +84,7 @@ def test_missing_packages_are_named_among_installed_ones():
 
 
 def test_the_browser_is_for_the_tests_only():
-    assert "chromium" not in shell("package_names").stdout.split()
+    assert "chromium" not in shell("package_names build").stdout.split()
     assert "chromium" in shell("package_names tests").stdout.split()
 
 
@@ -95,7 +95,7 @@ def test_other_systems_get_the_list_of_what_is_missing(tmp_path):
     (tmp_path / "scripts/packages.txt").write_text(
         "bash command bash\nnosuch command restirpg-no-such-command\nnoheader header restirpg/none.h\n"
         "nomodule module restirpg_no_such_module\n")
-    result = shell(f"root={tmp_path}; check_elsewhere", expect=2)
+    result = shell(f"root={tmp_path}; check_elsewhere build", expect=2)
     assert result.stderr.endswith("then start again: nosuch noheader nomodule\n")
     assert len(result.stderr.splitlines()) == 1
 
