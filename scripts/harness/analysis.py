@@ -53,8 +53,11 @@ class SceneFindings:
 
 
 def analyse(scene_runs):
-    """Findings of every scene. p-values are corrected (Holm) in two families, each over all scenes and
-    methods: the comparisons with the baseline, and the tests of bias."""
+    """Findings of every scene.
+
+    p-values are corrected (Holm) in two families, each over all scenes and methods: the comparisons with the
+    baseline, and the tests of bias.
+    """
     findings = [_scene(runs) for runs in scene_runs if runs.runs]
     methods = [method for scene in findings for method in scene.methods]
     _correct([(method, kind, test.p) for method in methods for kind, test in method.against.items()])

@@ -38,8 +38,7 @@ class SceneRuns:
 
 
 class Comparison:
-    """One comparison: prepare() checks it cheaply and whole, then run() renders and returns a SceneRuns each
-    scene."""
+    """One comparison: prepare() checks it cheaply and whole, run() returns a SceneRuns each scene."""
 
     def __init__(self, settings, cache, pool, display):
         self.settings = settings
@@ -54,8 +53,7 @@ class Comparison:
                 raise UserError(f"two pictures would be called '{label}'; tell them apart with @label=NAME")
 
     def prepare(self):
-        """Check scenes, graphs and knobs before anything long starts; raises UserError at the first
-        mistake."""
+        """Check scenes, graphs and knobs before anything long starts; raises UserError."""
         settings = self.settings
         self.code = code = render.code_version()
         descriptions = {
@@ -155,8 +153,7 @@ class Comparison:
         return [seed_of(self.settings.base_seed, "run", number) for number in range(self.settings.seeds)]
 
     def run(self):
-        """Render what is missing. Failures are kept in `failures`; a scene without a reference is left
-        out."""
+        """Render what is missing. A scene whose reference fails is left out; see `failures`."""
         settings, results = self.settings, []
         for plan in self.plans:
             plan["jobs"] = [replace(job, seed=seed) for seed in self.seeds() for job in plan["methods"]]
@@ -205,8 +202,7 @@ class Comparison:
         return failed
 
     def _collect(self, plan, truth, jobs):
-        """Results by method, of the seeds that every method with any result finished: tests are paired by
-        seed."""
+        """Results by method, of the seeds that every method with any result finished: tests are paired."""
         results = {job.label: {} for job in jobs}
         for job in jobs:
             result = self.cache.load(job.key)

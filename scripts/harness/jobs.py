@@ -105,8 +105,7 @@ class Job:
 
 
 def seed_of(*parts):
-    """A 31-bit seed hashed from `parts`: consecutive seeds of some generators give shifted streams
-    (ALGORITHMS O22)."""
+    """A 31-bit seed hashed from `parts`: consecutive seeds of some generators give shifted streams."""
     return int(digest(json.dumps(parts).encode())[:8], 16) >> 1
 
 
@@ -124,7 +123,7 @@ class Cache:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise UserError(
-                f"{folder}: cannot make the cache folder: {error.strerror}; " "choose one with --cache"
+                f"{folder}: cannot make the cache folder: {error.strerror}; choose one with --cache"
             ) from None
 
     def path(self, key):

@@ -52,8 +52,7 @@ def combine(cache, jobs):
 
 
 def from_exr(cache, file, size):
-    """An EXR as a reference without a known error: taken as exact. Returns (key, result); raises
-    UserError."""
+    """An EXR as a reference, taken as exact. Returns (key, result); raises UserError."""
     image = render.read_exr(file)
     if image.shape[:2] != (size[1], size[0]):
         raise UserError(

@@ -17,8 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def find_package():
-    """Make `restirpg` with its binding importable: as installed, from PYTHONPATH, or from this repository's
-    build tree."""
+    """Make `restirpg` importable, its binding too: installed, on PYTHONPATH, or from the build tree."""
     try:
         import restirpg
 
@@ -45,8 +44,7 @@ def package_folder():
 
 
 def code_version():
-    """Hash of the renderer's files: package, libraries and plugins, shaders. Results of another code are not
-    reused."""
+    """Hash of the renderer's own files, plugins and shaders: results of other code are not reused."""
     package = package_folder()
     folders = [
         package,
@@ -162,12 +160,8 @@ def run(job, reference=None, tick=lambda frames: None):
         wall += 1e3 * (time.perf_counter() - start)
         image = np.asarray(renderer.output(job.output), np.float32)[..., :3] * np.float32(job.gain)
         if running_mean:  # the mean of n frames times n, less the same of n - 1 frames
-            frame = (
-                image * frames - previous * (frames - 1)
-                if previous is not None and frames == done + 1
-                else None
-            )
-            frame = image if frames == 1 else frame
+            known = frames == 1 or (previous is not None and frames == done + 1)
+            frame = (image if frames == 1 else image * frames - previous * (frames - 1)) if known else None
         else:
             frame = image
         if reference:
@@ -200,8 +194,7 @@ def run(job, reference=None, tick=lambda frames: None):
 
 
 class TemporalSums:
-    """Sums for the autocorrelation of a pixel's single frames at lag 1, of their deviations from the
-    reference.
+    """Sums for the autocorrelation at lag 1 of a pixel's single frames, as deviations from the reference.
 
     `sums` = [sum of e_t e_(t+1), its number of terms, sum of e_t^2, its number of terms], over pixels,
     luminance.
@@ -215,14 +208,12 @@ class TemporalSums:
         self.sums = np.zeros(4)
 
     def add(self, frame, consecutive):
-        """Add a frame (None: not known, after a gap of a running mean); `consecutive`: it follows the one
-        added last."""
+        """Add a frame, or None where it is not known; `consecutive`: it follows the one added last."""
         if frame is None or self._reference is None:
             self._previous = None
             return
-        deviation = np.nan_to_num((frame - self._reference) @ self.WEIGHTS, nan=0, posinf=0, neginf=0).astype(
-            float
-        )
+        deviation = ((frame - self._reference) @ self.WEIGHTS).astype(float)
+        deviation[~np.isfinite(deviation)] = 0
         if consecutive and self._previous is not None:
             self.sums[:2] += np.sum(deviation * self._previous), deviation.size
         self.sums[2:] += np.sum(deviation**2), deviation.size

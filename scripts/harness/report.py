@@ -17,9 +17,8 @@ from harness import plots, render, tables
 from harness import statistics as st
 
 FOLDER = Path(__file__).resolve().parent
-PICTURE_BUDGET = (
-    96 << 20
-)  # bytes of half floats in one report; single frames and means of seeds are left out first
+# Bytes of half floats in one report; single frames and means of seeds are left out first.
+PICTURE_BUDGET = 96 << 20
 KINDS = {"image": "picture (first seed)", "mean": "mean of all seeds", "frame": "last frame alone"}
 
 
@@ -190,8 +189,7 @@ def write(findings, settings, comparison, file):
 
 
 def write_pictures(findings, folder):
-    """Write each reference and method as SCENE.METHOD.exr: the first seed's picture, the mean of seeds as a
-    layer."""
+    """Write SCENE.METHOD.exr, references too: the first seed's picture, and the seeds' mean as a layer."""
     folder.mkdir(parents=True, exist_ok=True)
     for scene in findings:
         stem = Path(scene.scene).stem

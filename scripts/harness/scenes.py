@@ -37,8 +37,7 @@ def bounce_cap(file):
 
 
 def content_hash(file, environment=None):
-    """Hash of the file, of the files it names, and of the environment. Raises UserError when the file is not
-    there."""
+    """Hash of the file, of the files it names, and of the environment; raises UserError."""
     path = Path(file)
     if not path.is_file():
         raise UserError(

@@ -117,8 +117,10 @@ def _false_alarms(truth, results, trials):
 
 
 def _frames_needed(spread, truth):
-    """Frames of a run whose smallest detectable bias is well below GAIN - 1, so that the latter is found
-    almost surely; `spread`: standard deviation of the mean of a run of FRAMES."""
+    """Frames of a run that make the smallest detectable bias well smaller than GAIN - 1.
+
+    spread: standard deviation of a picture's mean over runs of FRAMES.
+    """
     batches = truth["batch_means"]
     frames = FRAMES
     while frames < MOST_FRAMES:
@@ -132,8 +134,7 @@ def _frames_needed(spread, truth):
 
 
 def _gain_trials(comparison, base, options, truth, key):
-    """How many trials with 1% too much energy are found biased, and the median of the smallest detectable
-    biases."""
+    """How many trials with too much energy are found biased, and the median smallest detectable bias."""
     jobs = [
         replace(_run(base, options, "gain", trial, n), gain=GAIN, reference=key)
         for trial in range(GAIN_TRIALS)
@@ -162,14 +163,15 @@ def _print(options, truth, alarms, biases, found, frames, detectable):
     share = 100 * (1 - len(alarms) / options.trials)
     print(
         f"equal graphs: {share:.1f}% of {options.trials} trials find no difference and no bias; at least "
-        f"{100 * (1 - ALLOWED):.0f}% is asked for ({SEEDS} seeds a side, {FRAMES} frames of {SIZE[0]}x{SIZE[1]}; "
-        f"{biases} of the {len(alarms)} false alarms are of bias)"
+        f"{100 * (1 - ALLOWED):.0f}% is asked for ({SEEDS} seeds a side, {FRAMES} frames of "
+        f"{SIZE[0]}x{SIZE[1]}; {biases} of the {len(alarms)} false alarms are of bias)"
     )
     for alarm in alarms:
         print(f"    {alarm}")
     print(
-        f"1% too much energy: found in {found} of {GAIN_TRIALS} trials ({GAIN_SEEDS} seeds of {frames} frames); "
-        f"the smallest detectable bias is {100 * detectable:.2g}% ({100 * st.POWER:.0f}% power at the "
+        f"1% too much energy: found in {found} of {GAIN_TRIALS} trials ({GAIN_SEEDS} seeds of {frames} "
+        f"frames); the smallest detectable bias is {100 * detectable:.2g}% "
+        f"({100 * st.POWER:.0f}% power at the "
         f"{100 * st.LEVEL:.0f}% level); the reference's own standard error is "
         f"{100 * references.noise(truth)['relative_se']:.2g}%"
     )

@@ -11,8 +11,7 @@ POWER = 0.8  # with which the "smallest detectable" difference would have been f
 
 @dataclass(frozen=True)
 class Test:
-    """A t-test of a difference: its estimate, standard error, degrees of freedom and p-value before
-    correction."""
+    """A t-test of a difference; p is not corrected for other tests."""
 
     difference: float
     se: float
@@ -24,8 +23,7 @@ class Test:
         return float(stats.t.ppf(0.5 + coverage / 2, self.dof) * self.se) if self.dof > 0 else float("nan")
 
     def smallest_detectable(self, tests=1):
-        """The difference found with probability POWER at LEVEL over `tests` tests (the first step of
-        Holm)."""
+        """The difference found with probability POWER at LEVEL over `tests` tests (Holm's first step)."""
         if not self.dof > 0:
             return float("nan")
         return float((stats.t.ppf(1 - LEVEL / tests / 2, self.dof) + stats.t.ppf(POWER, self.dof)) * self.se)
@@ -85,8 +83,7 @@ def welch_p_values(a, b):
 
 
 def holm(p_values):
-    """Holm's adjusted p-values: family-wise error rate under any dependence. NaN (untested) is no part of the
-    family."""
+    """Holm's adjusted p-values, valid under any dependence. NaN (untested) is no part of the family."""
     p = np.asarray(p_values, float)
     adjusted = np.full(p.shape, np.nan)
     tested = np.flatnonzero(~np.isnan(p))
@@ -137,8 +134,10 @@ def block_correlation(images, size=8):
 
 
 def temporal_correlation(sums, reference_variance):
-    """Autocorrelation at lag 1 from render.TemporalSums.sums; the reference's own variance (mean over pixels,
-    of luminance) is in both products and is subtracted."""
+    """Autocorrelation at lag 1 from render.TemporalSums.sums.
+
+    The reference's own variance (of luminance, mean over pixels) is in both products and is subtracted.
+    """
     product, products, square, squares = sums
     if not products or not squares:
         return float("nan")
@@ -147,8 +146,7 @@ def temporal_correlation(sums, reference_variance):
 
 
 def at_time(times, values, time):
-    """A curve's value at `time`, linear in log(time) and log(value) between measured frames; NaN outside
-    them."""
+    """A curve's value at `time`, log-linear between measured frames; NaN outside them."""
     times, values = np.asarray(times, float), np.asarray(values, float)
     if not times[0] <= time <= times[-1] * (1 + 1e-9):
         return float("nan")

@@ -30,8 +30,7 @@ def with_error(value, error, scale=1.0, unit=""):
 
 
 def verdict(method, baseline, metric, mode):
-    """How the method's error compares with the baseline's: ratio of means and a word; the word needs p <
-    LEVEL."""
+    """The method's error against the baseline's: ratio of means, and a word that needs p < LEVEL."""
     kind = (metric, mode)
     if not method.against:
         return "baseline"
@@ -140,9 +139,10 @@ def reference_line(scene):
     if not meta["batches"]:
         return f"reference: {meta['source']}, taken as exact: its own error is not known"
     return (
-        f"reference: {meta['source']}, {meta['batches']} batches of {meta['frames']} frames; standard error of "
-        f"its mean {100 * scene.noise['relative_se']:.2g}%; its noise is {scene.noise['relmse']:.2g} of relMSE "
-        f"(subtracted) and a floor of {100 * scene.noise['mape']:.2g}% under MAPE (not subtracted)"
+        f"reference: {meta['source']}, {meta['batches']} batches of {meta['frames']} frames; "
+        f"standard error of its mean {100 * scene.noise['relative_se']:.2g}%; "
+        f"its noise is {scene.noise['relmse']:.2g} of relMSE (subtracted) and a floor of "
+        f"{100 * scene.noise['mape']:.2g}% under MAPE (not subtracted)"
     )
 
 
@@ -162,9 +162,11 @@ def as_text(findings, width=None):
             for row in rows:
                 table.add_row(*row)
             console.print(table, highlight=False)
+    level = f"{100 * st.LEVEL:.0f}%"
     console.print(
-        f"Errors are ± one standard error over seeds. Tests are paired by seed; words are at {100 *
-        st.LEVEL:.0f}% " "over all methods and scenes (Holm).", highlight=False,
+        "Errors are ± one standard error over seeds. Tests are paired by seed; "
+        f"words are at {level} over all methods and scenes (Holm).",
+        highlight=False,
     )
     return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
 

@@ -15,9 +15,15 @@ sys.path.insert(0, str(ROOT / "scripts"))
 def write_graph(folder, name="plain", **knobs):
     """A graph file of the fake renderer; returns its name, relative to `folder`."""
     history = {"pass": "accumulate", "output": "sums", "delayed": True}
-    passes = [{"name": "paths", "type": "Fake", "inputs": {}, "knobs": knobs},
-              {"name": "accumulate", "type": "Accumulate", "knobs": {},
-               "inputs": {"direct": {"pass": "paths", "output": "radiance"}, "history": history}}]
+    passes = [
+        {"name": "paths", "type": "Fake", "inputs": {}, "knobs": knobs},
+        {
+            "name": "accumulate",
+            "type": "Accumulate",
+            "knobs": {},
+            "inputs": {"direct": {"pass": "paths", "output": "radiance"}, "history": history},
+        },
+    ]
     outputs = [{"name": "image", "pass": "accumulate", "output": "mean"}]
     (folder / f"{name}.json").write_text(json.dumps({"name": name, "passes": passes, "outputs": outputs}))
     return f"{name}.json"
@@ -27,15 +33,29 @@ def arguments(folder, *methods, **options):
     """A small comparison in `folder`; options by name, as frames=8, override."""
     write_graph(folder)
     (folder / "scene.gltf").touch()
-    options = {"scenes": "scene.gltf", "size": "32x24", "frames": 8, "seeds": 4, "reference_graph": "plain.json",
-               "out": "out", **options}
+    options = {
+        "scenes": "scene.gltf",
+        "size": "32x24",
+        "frames": 8,
+        "seeds": 4,
+        "reference_graph": "plain.json",
+        "out": "out",
+        **options,
+    }
     flags = [text for name, value in options.items() for text in (f"--{name.replace('_', '-')}", str(value))]
-    return [sys.executable, str(SCRIPT), *(methods or ["plain.json", "plain.json@noise=0.5,label=quiet"]), *flags]
+    return [
+        sys.executable,
+        str(SCRIPT),
+        *(methods or ["plain.json", "plain.json@noise=0.5,label=quiet"]),
+        *flags,
+    ]
 
 
 def compare(folder, *methods, **options):
     """Run it to its end; a CompletedProcess with text output."""
-    return subprocess.run(arguments(folder, *methods, **options), cwd=folder, env=ENVIRONMENT, capture_output=True, text=True)
+    return subprocess.run(
+        arguments(folder, *methods, **options), cwd=folder, env=ENVIRONMENT, capture_output=True, text=True
+    )
 
 
 def tables(folder, out="out"):

@@ -1,4 +1,5 @@
-"""scripts/compare.py from end to end on the fake renderer: findings, cache, interruptions, failures, mistakes."""
+"""scripts/compare.py from end to end on the fake renderer: findings, cache, interruptions, failures,
+mistakes."""
 
 import csv
 import importlib.util
@@ -25,8 +26,12 @@ def summary(folder, out="out"):
 def finished(tmp_path_factory):
     """A comparison of three methods with known differences."""
     folder = tmp_path_factory.mktemp("compare")
-    methods = ["plain.json", "plain.json@noise=0.5,ms=8.75,label=quiet", "plain.json@blotch=4,memory=0.6,label=blotchy",
-               "plain.json@gain=1.05,label=bright"]
+    methods = [
+        "plain.json",
+        "plain.json@noise=0.5,ms=8.75,label=quiet",
+        "plain.json@blotch=4,memory=0.6,label=blotchy",
+        "plain.json@gain=1.05,label=bright",
+    ]
     run = compare(folder, *methods, size="64x48", frames=16, seeds=8)
     assert run.returncode == 0, run.stderr
     return folder, run
@@ -34,15 +39,19 @@ def finished(tmp_path_factory):
 
 def test_errors_are_those_of_the_known_noise(finished):
     # relMSE of n frames of variance s^2: s^2 / n times the mean of T^2 / (T^2 + 0.01). Five standard errors.
-    spec = importlib.util.spec_from_file_location("fake", ROOT / "tests/python/fake_renderer/restirpg/__init__.py")
+    spec = importlib.util.spec_from_file_location(
+        "fake", ROOT / "tests/python/fake_renderer/restirpg/__init__.py"
+    )
     fake = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(fake)
     truth = fake.truth(64, 48)
     for method, noise in (("plain", 1), ("quiet", 0.5)):
         row = summary(finished[0])[method]
-        expected = noise ** 2 / 16 * np.mean(truth ** 2 / (truth ** 2 + 0.01))
+        expected = noise**2 / 16 * np.mean(truth**2 / (truth**2 + 0.01))
         # The reference's own estimated variance (512 frames) is uncertain to 1%, a 30th of the error's.
-        assert abs(float(row["relmse_frame"]) - expected) < 5 * float(row["relmse_frame_se"]) + 0.002 * expected
+        assert (
+            abs(float(row["relmse_frame"]) - expected) < 5 * float(row["relmse_frame_se"]) + 0.002 * expected
+        )
 
 
 def test_equal_time_compares_at_the_time_of_the_fastest(finished):
@@ -75,8 +84,14 @@ def test_a_second_start_renders_nothing_and_prints_the_same(finished):
 
 def interrupted(folder, sent, out):
     """Start a comparison, send it a signal when a few runs are kept, return its exit code."""
-    process = subprocess.Popen(arguments(folder, *SLOW, out=out, **SLOW_OPTIONS), cwd=folder, env=ENVIRONMENT,
-                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+    process = subprocess.Popen(
+        arguments(folder, *SLOW, out=out, **SLOW_OPTIONS),
+        cwd=folder,
+        env=ENVIRONMENT,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
     while len(list((folder / out / "cache").glob("*.npz"))) < 8:
         assert process.poll() is None, "it ended before it could be interrupted"
         time.sleep(0.02)
@@ -130,21 +145,24 @@ def test_a_picture_can_be_the_reference(tmp_path):
     assert "taken as exact" in run.stdout
 
 
-@pytest.mark.parametrize("methods, options, words", [
-    (["absent.py"], {}, "absent.py: no such graph file"),
-    (["plain.json@noise"], {}, "'noise' is not NAME=VALUE"),
-    (["plain.json@gian=2"], {}, "no pass has a knob 'gian'"),
-    (["plain.json@paths.gian=2"], {}, "no knob 'paths.gian'"),
-    (["plain.json@output=normal"], {}, "no output 'normal'; there are: image"),
-    (["plain.json", "plain.json"], {}, "two pictures would be called 'plain'"),
-    (["plain.json"], {"scenes": "absent.glb"}, "absent.glb: no such scene"),
-    (["plain.json"], {"scenes": "broken.glb"}, "broken.glb: not a scene"),
-    (["plain.json"], {"size": "12"}, "'12' is not WIDTHxHEIGHT"),
-    (["plain.json"], {"frames": "0"}, "'0' is not a whole number"),
-    (["plain.json"], {"reference": "plain.json"}, "plain.json: cannot be read"),
-    (["bad.json"], {}, "bad.json: not JSON"),
-    (["plain.json"], {"out": "plain.json"}, "choose"),
-])
+@pytest.mark.parametrize(
+    "methods, options, words",
+    [
+        (["absent.py"], {}, "absent.py: no such graph file"),
+        (["plain.json@noise"], {}, "'noise' is not NAME=VALUE"),
+        (["plain.json@gian=2"], {}, "no pass has a knob 'gian'"),
+        (["plain.json@paths.gian=2"], {}, "no knob 'paths.gian'"),
+        (["plain.json@output=normal"], {}, "no output 'normal'; there are: image"),
+        (["plain.json", "plain.json"], {}, "two pictures would be called 'plain'"),
+        (["plain.json"], {"scenes": "absent.glb"}, "absent.glb: no such scene"),
+        (["plain.json"], {"scenes": "broken.glb"}, "broken.glb: not a scene"),
+        (["plain.json"], {"size": "12"}, "'12' is not WIDTHxHEIGHT"),
+        (["plain.json"], {"frames": "0"}, "'0' is not a whole number"),
+        (["plain.json"], {"reference": "plain.json"}, "plain.json: cannot be read"),
+        (["bad.json"], {}, "bad.json: not JSON"),
+        (["plain.json"], {"out": "plain.json"}, "choose"),
+    ],
+)
 def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, methods, options, words):
     (tmp_path / "broken.glb").touch()
     (tmp_path / "bad.json").write_text("{")
@@ -155,12 +173,37 @@ def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, methods, options, words
 
 
 def test_a_job_is_named_by_its_content_alone():
-    job = Job(scene="a.glb", scene_hash="1", graph="g.py", description="{}", size=(8, 8), frames=2, seed=3, code="c")
-    same = Job(scene="b.glb", scene_hash="1", graph="h.py", description="{}", size=(8, 8), frames=2, seed=3, code="c", label="x")
+    job = Job(
+        scene="a.glb", scene_hash="1", graph="g.py", description="{}", size=(8, 8), frames=2, seed=3, code="c"
+    )
+    same = Job(
+        scene="b.glb",
+        scene_hash="1",
+        graph="h.py",
+        description="{}",
+        size=(8, 8),
+        frames=2,
+        seed=3,
+        code="c",
+        label="x",
+    )
     assert job.key == same.key
-    others = [Job(**{**job.__dict__, name: value}) for name, value in
-              [("scene_hash", "2"), ("description", "[]"), ("size", (8, 9)), ("frames", 3), ("seed", 4), ("code", "d"),
-               ("knobs", (("a", 1),)), ("bounces", 2), ("environment", "1,1,1"), ("reference", "r"), ("backend", "rayquery")]]
+    others = [
+        Job(**{**job.__dict__, name: value})
+        for name, value in [
+            ("scene_hash", "2"),
+            ("description", "[]"),
+            ("size", (8, 9)),
+            ("frames", 3),
+            ("seed", 4),
+            ("code", "d"),
+            ("knobs", (("a", 1),)),
+            ("bounces", 2),
+            ("environment", "1,1,1"),
+            ("reference", "r"),
+            ("backend", "rayquery"),
+        ]
+    ]
     assert len({job.key, *(other.key for other in others)}) == 1 + len(others)
 
 
@@ -172,10 +215,15 @@ def test_settings_of_a_method_keep_their_types(tmp_path):
 
 
 def test_the_harness_passes_its_self_test(tmp_path):
-    # Null hypothesis: no more than 5% of trials between equal methods claim a difference. The rate aimed at is 2%: of 60
-    # trials more than 3 alarm with a probability of 3%; base seed and outcome are fixed.
-    run = subprocess.run([*arguments(tmp_path, "plain.json"), "--self-test"], cwd=tmp_path, env=ENVIRONMENT,
-                         capture_output=True, text=True)
+    # Null hypothesis: no more than 5% of trials between equal methods claim a difference. The rate aimed at
+    # is 2%: of 60 trials more than 3 alarm with a probability of 3%; base seed and outcome are fixed.
+    run = subprocess.run(
+        [*arguments(tmp_path, "plain.json"), "--self-test"],
+        cwd=tmp_path,
+        env=ENVIRONMENT,
+        capture_output=True,
+        text=True,
+    )
     assert run.returncode == 0, run.stdout + run.stderr
     assert "found in 5 of 5 trials" in run.stdout and "smallest detectable bias is" in run.stdout
 
@@ -183,15 +231,30 @@ def test_the_harness_passes_its_self_test(tmp_path):
 def test_the_self_test_fails_when_equal_methods_differ(tmp_path, monkeypatch):
     # The injected error: a test that takes the standard error for a third of what it is.
     random = np.random.default_rng(6)
-    truth = {"mean": np.ones((32, 32, 3), np.float32), "variance": np.zeros((32, 32, 3)), "luminance_variance": np.array(0.0),
-             "batch_means": np.array([1.0]), "batch_blocks": np.ones((1, 4, 4)), "meta": {}}
+    truth = {
+        "mean": np.ones((32, 32, 3), np.float32),
+        "variance": np.zeros((32, 32, 3)),
+        "luminance_variance": np.array(0.0),
+        "batch_means": np.array([1.0]),
+        "batch_blocks": np.ones((1, 4, 4)),
+        "meta": {},
+    }
 
     def result():
         image = random.normal(1, 0.1, (32, 32, 3)).astype(np.float32)
         curve = np.full(2, np.abs(image - 1).mean())
-        return {"image": image, "frame": image, "frames": np.array([1, 2]), "mape": curve, "relmse": curve ** 2, "bias": curve,
-                "gpu_ms": np.array([1.0, 2.0]), "wall_ms": np.array([1.0, 2.0]), "temporal": np.zeros(4),
-                "meta": {"passes": {}, "memory": {}}}
+        return {
+            "image": image,
+            "frame": image,
+            "frames": np.array([1, 2]),
+            "mape": curve,
+            "relmse": curve**2,
+            "bias": curve,
+            "gpu_ms": np.array([1.0, 2.0]),
+            "wall_ms": np.array([1.0, 2.0]),
+            "temporal": np.zeros(4),
+            "meta": {"passes": {}, "memory": {}},
+        }
 
     results = [result() for _ in range(2 * selftest.SEEDS * 40)]
     assert len(selftest._false_alarms(truth, results, 40)[0]) <= 2

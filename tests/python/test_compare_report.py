@@ -1,4 +1,5 @@
-"""The report in a headless Chromium: it opens without errors or network, and its viewer does what its controls say."""
+"""The report in a headless Chromium: it opens without errors or network, and its viewer does what its
+controls say."""
 
 import re
 import shutil
@@ -9,15 +10,20 @@ from webdriver import Browser
 
 from harness.report import side_by_side
 
-CENTRE = "const c = document.querySelector('.pane canvas'), p = c.getContext('2d').getImageData({x} * c.width, c.height / 2, 1, 1);" \
-         "return Array.from(p.data)"
+CENTRE = (
+    "const c = document.querySelector('.pane canvas');"
+    "const p = c.getContext('2d').getImageData({x} * c.width, c.height / 2, 1, 1);"
+    "return Array.from(p.data)"
+)
 
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
     """A report of two methods, one of them with a label that must be escaped."""
     folder = tmp_path_factory.mktemp("report")
-    run = compare(folder, "plain.json", "plain.json@gain=4,noise=0.1,label=four</script> times", size="64x32", frames=4)
+    run = compare(
+        folder, "plain.json", "plain.json@gain=4,noise=0.1,label=four</script> times", size="64x32", frames=4
+    )
     assert run.returncode == 0, run.stderr
     return folder / "out/report.html"
 
@@ -65,16 +71,18 @@ def test_the_pictures_on_both_sides_of_the_split_are_the_chosen_ones(browser):
 
 def test_a_value_of_one_is_white_at_exposure_0_and_half_as_much_at_minus_1(browser):
     # sRGB of 0.5 is 188.
-    shown = browser.run("const v = viewers[0], out = new Uint8ClampedArray(8), p = new Float32Array([1, 1, 1, .5, .5, .5]);"
-                        "v.paintImage(p, 4096, out); const whole = Array.from(out); v.paintImage(p, 2048, out);"
-                        "return [whole, Array.from(out)]")
+    shown = browser.run(
+        "const v = viewers[0], out = new Uint8ClampedArray(8), p = new Float32Array([1, 1, 1, .5, .5, .5]);"
+        "v.paintImage(p, 4096, out); const whole = Array.from(out); v.paintImage(p, 2048, out);"
+        "return [whole, Array.from(out)]"
+    )
     assert shown == [[255, 255, 255, 255, 188, 188, 188, 255], [188, 188, 188, 255, 137, 137, 137, 255]]
 
 
 def test_half_floats_are_decoded_exactly(browser):
     # 1.0, -2.5, 65504, 2^-24 (the smallest), 1/3 rounded to half.
     values = browser.run("return Array.from(decode('ADwAwf97AQBVNQ=='))")
-    assert values == [1.0, -2.5, 65504.0, 2 ** -24, 0.333251953125]
+    assert values == [1.0, -2.5, 65504.0, 2**-24, 0.333251953125]
 
 
 def test_dragging_the_line_moves_the_split_and_dragging_elsewhere_pans(browser):
@@ -100,13 +108,18 @@ def test_the_wheel_zooms_about_the_pointer_in_all_panes_in_step(browser):
 
 
 def test_blinking_shows_a_and_b_in_turn(browser):
-    browser.run("document.querySelector('[data-mode=blink]').click(); viewers[0].set({a: 0, b: 2, shown: 'a', exposure: 0});"
-                "clearInterval(viewers[0].timer)")
+    browser.run(
+        "document.querySelector('[data-mode=blink]').click();"
+        "viewers[0].set({a: 0, b: 2, shown: 'a', exposure: 0});"
+        "clearInterval(viewers[0].timer)"
+    )
     first = pixel(browser, 0.5)
     browser.run("viewers[0].set({shown: 'b'})")
     assert pixel(browser, 0.5) != first
-    browser.run("document.querySelector('[data-mode=blink]').click(); window.seen = new Set();"
-                "setInterval(() => window.seen.add(viewers[0].state.shown), 50)")
+    browser.run(
+        "document.querySelector('[data-mode=blink]').click(); window.seen = new Set();"
+        "setInterval(() => window.seen.add(viewers[0].state.shown), 50)"
+    )
     for _ in range(200):
         if browser.run("return window.seen.size") == 2:
             break
@@ -115,8 +128,10 @@ def test_blinking_shows_a_and_b_in_turn(browser):
 
 
 def test_error_maps_share_one_scale_and_are_black_for_the_reference(browser):
-    browser.run("document.querySelector('.view').value = 'error';"
-                "document.querySelector('.view').dispatchEvent(new Event('change')); viewers[0].set({a: 0, b: 2})")
+    browser.run(
+        "document.querySelector('.view').value = 'error';"
+        "document.querySelector('.view').dispatchEvent(new Event('change')); viewers[0].set({a: 0, b: 2})"
+    )
     black, bright = browser.run("return [COLOUR_MAPS.error.slice(0, 3), COLOUR_MAPS.error.slice(-3)]")
     assert pixel(browser, 0.25)[:3] == black
     assert browser.run("return document.querySelector('.legend-text').textContent").startswith("0 … ")
@@ -129,16 +144,28 @@ def test_error_maps_share_one_scale_and_are_black_for_the_reference(browser):
 
 def test_the_pixel_under_the_pointer_is_read_out(browser):
     browser.point(".pane canvas", ("move", 3, 3))
-    assert re.match(r"32, 16   A [\d.]+ [\d.]+ [\d.]+   B ", browser.run("return document.querySelector('.pixel').value"))
+    assert re.match(
+        r"32, 16   A [\d.]+ [\d.]+ [\d.]+   B ", browser.run("return document.querySelector('.pixel').value")
+    )
 
 
 def test_tables_charts_graphs_and_provenance_are_there(browser, report, tmp_path):
     text = browser.run("return document.body.innerText")
-    for words in ("Equal frames", "Equal time", "Bias and correlation", "four</script> times", "Provenance", "code hash"):
+    for words in (
+        "Equal frames",
+        "Equal time",
+        "Bias and correlation",
+        "four</script> times",
+        "Provenance",
+        "code hash",
+    ):
         assert words in text
-    assert browser.run("return Array.from(document.querySelectorAll('.charts img')).every(i => i.naturalWidth > 0)")
-    assert browser.run("return Array.from(document.querySelectorAll('.differs td'), e => e.textContent.trim())") == [
-        "gain = 1.0", "gain = 4", "noise = 1.0", "noise = 0.1"]
+    assert browser.run(
+        "return Array.from(document.querySelectorAll('.charts img')).every(i => i.naturalWidth > 0)"
+    )
+    assert browser.run(
+        "return Array.from(document.querySelectorAll('.differs td'), e => e.textContent.trim())"
+    ) == ["gain = 1.0", "gain = 4", "noise = 1.0", "noise = 0.1"]
     browser.screenshot(tmp_path / "report.png")
     assert (tmp_path / "report.png").stat().st_size > 10000
 

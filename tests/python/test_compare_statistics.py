@@ -26,8 +26,9 @@ def test_holm_gives_the_textbook_values_and_skips_what_was_not_tested():
 
 
 def test_holm_keeps_the_family_wise_error_at_its_level():
-    # 4,000 families of 20 true null hypotheses. At level 5% the count of families with an alarm is binomial with
-    # p <= 0.05: more than 4 standard deviations above has probability < 1e-4. Without correction it would be 64%.
+    # 4,000 families of 20 true null hypotheses. At level 5% the count of families with an alarm is binomial
+    # with p <= 0.05: more than 4 standard deviations above has probability < 1e-4. Without correction it
+    # would be 64%.
     p = np.random.default_rng(2).random((4000, 20))
     alarms = sum((st.holm(family) < 0.05).any() for family in p)
     assert alarms < 4000 * 0.05 + 4 * np.sqrt(4000 * 0.05 * 0.95)
@@ -35,8 +36,8 @@ def test_holm_keeps_the_family_wise_error_at_its_level():
 
 
 def test_the_smallest_detectable_difference_is_found_with_the_promised_power():
-    # 4,000 samples of 10 whose mean differs from 0 by exactly that: found in 80%. The t approximation and the binomial
-    # error (0.6%) together stay within 4%.
+    # 4,000 samples of 10 whose mean differs from 0 by exactly that: found in 80%. The t approximation and the
+    # binomial error (0.6%) together stay within 4%.
     random = np.random.default_rng(3)
     se = 1 / np.sqrt(10)
     difference = st.Test(0, se, 9, 1).smallest_detectable()
@@ -63,13 +64,14 @@ def test_block_correlation_is_the_number_of_pixels_that_move_together(block, exp
 
 @pytest.mark.parametrize("memory", [0.0, 0.8])
 def test_temporal_correlation_finds_the_coefficient_of_an_autoregressive_pixel(memory):
-    # 64 x 64 pixels, 20 frames: standard error of the coefficient about 1/sqrt(64 * 64 * 19) = 0.0036; 5 of them.
+    # 64 x 64 pixels, 20 frames: standard error of the coefficient about 1/sqrt(64 * 64 * 19) = 0.0036; 5 of
+    # them.
     random = np.random.default_rng(5)
     truth = random.random((64, 64, 3)).astype(np.float32)
     sums, state = TemporalSums(truth), random.normal(size=(64, 64, 1))
     for _ in range(20):
         sums.add((truth + state).astype(np.float32), consecutive=True)
-        state = memory * state + np.sqrt(1 - memory ** 2) * random.normal(size=(64, 64, 1))
+        state = memory * state + np.sqrt(1 - memory**2) * random.normal(size=(64, 64, 1))
     assert abs(st.temporal_correlation(sums.sums, 0) - memory) < 5 * 0.0036
 
 

@@ -8,8 +8,18 @@ import subprocess
 import tempfile
 import urllib.request
 
-FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--hide-scrollbars",
-         "--disable-background-networking", "--disable-component-update", "--disable-sync", "--window-size=1280,1600"]
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--hide-scrollbars",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--window-size=1280,1600",
+]
 
 
 class Browser:
@@ -23,8 +33,13 @@ class Browser:
                 break
         self._url = f"http://127.0.0.1:{match[1]}/session"
         options = {"args": [*FLAGS, f"--user-data-dir={self._profile}"]}
-        capabilities = {"alwaysMatch": {"browserName": "chrome", "goog:chromeOptions": options,
-                                        "goog:loggingPrefs": {"browser": "ALL"}}}
+        capabilities = {
+            "alwaysMatch": {
+                "browserName": "chrome",
+                "goog:chromeOptions": options,
+                "goog:loggingPrefs": {"browser": "ALL"},
+            }
+        }
         self._url += "/" + self._ask("", {"capabilities": capabilities})["sessionId"]
         return self
 
@@ -36,7 +51,9 @@ class Browser:
 
     def _ask(self, path, body=None, method="POST"):
         data = None if body is None else json.dumps(body).encode()
-        request = urllib.request.Request(self._url + path, data, {"Content-Type": "application/json"}, method=method)
+        request = urllib.request.Request(
+            self._url + path, data, {"Content-Type": "application/json"}, method=method
+        )
         opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
         with opener.open(request, timeout=60) as answer:
             return json.load(answer)["value"]
@@ -50,8 +67,8 @@ class Browser:
         return self._ask("/execute/sync", {"script": script, "args": []})
 
     def point(self, selector, *actions):
-        """Pointer actions on the first element of a CSS selector: ("move", x, y), x and y from its centre in CSS pixels,
-        ("down",), ("up",), ("wheel", delta)."""
+        """Pointer actions on the first element of a CSS selector: ("move", x, y), x and y from its centre in
+        CSS pixels, ("down",), ("up",), ("wheel", delta)."""
         element = self._ask("/element", {"using": "css selector", "value": selector})
         pointer, wheel = [], []
         for name, *values in actions:
@@ -59,7 +76,9 @@ class Browser:
                 at = {"x": values[0], "y": values[1], "origin": element}
                 pointer.append({"type": "pointerMove", "duration": 20, **at})
             elif name == "wheel":
-                wheel.append({"type": "scroll", "x": 0, "y": 0, "deltaX": 0, "deltaY": values[0], "origin": element})
+                wheel.append(
+                    {"type": "scroll", "x": 0, "y": 0, "deltaX": 0, "deltaY": values[0], "origin": element}
+                )
             else:
                 pointer.append({"type": "pointerDown" if name == "down" else "pointerUp", "button": 0})
         sources = [{"type": "pointer", "id": "mouse", "actions": pointer}] if pointer else []
@@ -68,7 +87,11 @@ class Browser:
 
     def log(self):
         """Errors of scripts and of the network since the last call."""
-        return [entry["message"] for entry in self._ask("/se/log", {"type": "browser"}) if entry["level"] == "SEVERE"]
+        return [
+            entry["message"]
+            for entry in self._ask("/se/log", {"type": "browser"})
+            if entry["level"] == "SEVERE"
+        ]
 
     def screenshot(self, file):
         """Write a PNG of the window."""

@@ -1,7 +1,7 @@
 """Stands in for the renderer in tests of the harness: noise of known mean, variance and correlation.
 
-A scene is any file; a graph is JSON whose pass "paths" has the knobs of DEFAULTS. Times are made up and depend on
-nothing but knobs, so that whole tables can be compared.
+A scene is any file; a graph is JSON whose pass "paths" has the knobs of DEFAULTS. Times are made up and
+depend on nothing but knobs, so that whole tables can be compared.
 """
 
 import json
@@ -102,7 +102,7 @@ class Renderer:
             fresh = self._random.gamma(1, 1, (-(-height // size), -(-width // size), 1)) - 1
             fresh = fresh.repeat(size, axis=0).repeat(size, axis=1)[:height, :width] * knobs["noise"]
             old = knobs["memory"] if self._frames else 0.0
-            self._noise = old * self._noise + np.sqrt(1 - old ** 2) * fresh
+            self._noise = old * self._noise + np.sqrt(1 - old**2) * fresh
             self._sum = self._sum + truth(width, height) * knobs["gain"] * (1 + self._noise)
             self._frames += 1
 
@@ -124,9 +124,13 @@ def measure_errors(image, reference):
     image, reference = image.astype(float), reference.astype(float)
     y = reference @ np.array([0.2126, 0.7152, 0.0722])
     difference = image - reference
-    return {"mape": np.mean(np.abs(difference) / (0.01 * y.mean() + y)[..., None]),
-            "relmse": np.mean(difference ** 2 / (reference ** 2 + 0.01)), "rmse": np.sqrt(np.mean(difference ** 2)),
-            "bias": (image.mean() - reference.mean()) / reference.mean(), "invalid": 0}
+    return {
+        "mape": np.mean(np.abs(difference) / (0.01 * y.mean() + y)[..., None]),
+        "relmse": np.mean(difference**2 / (reference**2 + 0.01)),
+        "rmse": np.sqrt(np.mean(difference**2)),
+        "bias": (image.mean() - reference.mean()) / reference.mean(),
+        "invalid": 0,
+    }
 
 
 def read_exr(file):
