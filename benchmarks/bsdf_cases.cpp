@@ -49,15 +49,23 @@ void runBsdf(benchmark::State& state, const DeviceOptions& options, const NamedM
     using Clock = std::chrono::steady_clock;
     constexpr float IOR = 1.5f;
     auto& sampler = keep<Sampler>("bsdf", [&] { return std::make_shared<Sampler>(options); });
-    const BsdfSamplingParameters parameters{sampler.sums.address(), THREADS, SAMPLES, material.metallic, material.roughness,
-                                            material.transmission, IOR, fresnelCoatAverage(IOR), material.solid};
+    const BsdfSamplingParameters parameters{sampler.sums.address(),
+                                            THREADS,
+                                            SAMPLES,
+                                            material.metallic,
+                                            material.roughness,
+                                            material.transmission,
+                                            IOR,
+                                            fresnelCoatAverage(IOR),
+                                            material.solid};
     sampler.run(parameters);  // compiles the kernel
     for (auto _ : state) {
         const auto start = Clock::now();
         sampler.run(parameters);
         state.SetIterationTime(std::chrono::duration<double>(Clock::now() - start).count());
     }
-    state.counters["samples/s"] = benchmark::Counter(double(THREADS) * SAMPLES, benchmark::Counter::kIsIterationInvariantRate);
+    state.counters["samples/s"] =
+        benchmark::Counter(double(THREADS) * SAMPLES, benchmark::Counter::kIsIterationInvariantRate);
 }
 
 }  // namespace

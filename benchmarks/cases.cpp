@@ -9,13 +9,16 @@ namespace restirpg::bench {
 
 void add(const std::string& name, std::function<void(benchmark::State&)> run)
 {
-    benchmark::RegisterBenchmark(name.c_str(), [run = std::move(run)](benchmark::State& state) {
-        try {
-            run(state);
-        } catch (const Error& error) {
-            state.SkipWithError(error.what());
-        }
-    })->UseManualTime()->Unit(benchmark::kMillisecond);
+    benchmark::RegisterBenchmark(name.c_str(),
+                                 [run = std::move(run)](benchmark::State& state) {
+                                     try {
+                                         run(state);
+                                     } catch (const Error& error) {
+                                         state.SkipWithError(error.what());
+                                     }
+                                 })
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond);
 }
 
 std::shared_ptr<const Scene> loadScene(const std::string& file)

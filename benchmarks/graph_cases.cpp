@@ -14,7 +14,8 @@ struct GraphCase {
     std::string name() const
     {
         using Path = std::filesystem::path;
-        return "graph/" + Path(graph).stem().string() + "/" + Path(scene).stem().string() + "/" + size.text() + "/" + backend;
+        return "graph/" + Path(graph).stem().string() + "/" + Path(scene).stem().string() + "/" + size.text() + "/" +
+               backend;
     }
 };
 
@@ -53,8 +54,8 @@ void runGraph(benchmark::State& state, const GraphCase& c)
     for (const auto& [name, size] : renderer.memory())
         bytes += size;
     state.counters["MB"] = double(bytes) / 1e6;
-    state.counters["Mpixels/s"] = benchmark::Counter(double(c.size.width) * c.size.height / 1e6,
-                                                     benchmark::Counter::kIsIterationInvariantRate);
+    state.counters["Mpixels/s"] =
+        benchmark::Counter(double(c.size.width) * c.size.height / 1e6, benchmark::Counter::kIsIterationInvariantRate);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "cases.h"
 
 #include "core/error.h"
+#include "render/version.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -16,8 +17,8 @@ Size parseSize(const std::string& text)
 {
     Size size{};
     int length = 0;
-    if (std::sscanf(text.c_str(), "%5ux%5u%n", &size.width, &size.height, &length) != 2 || size_t(length) != text.size()
-        || size.width == 0 || size.height == 0)
+    if (std::sscanf(text.c_str(), "%5ux%5u%n", &size.width, &size.height, &length) != 2 ||
+        size_t(length) != text.size() || size.width == 0 || size.height == 0)
         fail("--sizes: '{}' is not WIDTHxHEIGHT, as in 320x180", text);
     return size;
 }
@@ -29,9 +30,11 @@ std::vector<std::string> chooseBackends(const Cases& cases)
     const auto& description = device.description();
     benchmark::AddCustomContext("device", description.name);
     benchmark::AddCustomContext("driver", description.driver);
+    benchmark::AddCustomContext("commit", COMMIT);
     if (!cases.backends.empty())
         return cases.backends;
-    return description.rayQuery ? std::vector<std::string>{"software", "rayquery"} : std::vector<std::string>{"software"};
+    return description.rayQuery ? std::vector<std::string>{"software", "rayquery"}
+                                : std::vector<std::string>{"software"};
 }
 
 int run(int argc, char** argv)
@@ -41,12 +44,15 @@ int run(int argc, char** argv)
     const std::string source = RESTIRPG_SOURCE;
     cases.graphs = {source + "/graphs/path_tracer.py"};
     cases.scenes = {source + "/out/scenes/cornell_box.glb", source + "/out/scenes/door_ajar.glb"};
-    CLI::App app("Benchmarks; the flags --benchmark_... are Google Benchmark's (--benchmark_filter=REGEX, --benchmark_out=FILE)");
+    CLI::App app("Benchmarks; the flags --benchmark_... are Google Benchmark's (--benchmark_filter=REGEX, "
+                 "--benchmark_out=FILE)");
     app.add_option("--graphs", cases.graphs, "graph files (the path tracer)");
-    app.add_option("--scenes", cases.scenes, "scenes (the embedded ones in out/scenes: scripts/make_scenes.py writes them)");
+    app.add_option("--scenes", cases.scenes,
+                   "scenes (the embedded ones in out/scenes: scripts/make_scenes.py writes them)");
     app.add_option("--sizes", sizes, "WIDTHxHEIGHT of the graphs' pictures (160x90 320x180)");
     app.add_option("--backends", cases.backends, "software, rayquery (those that the device has)");
-    app.add_option("--device", cases.device, "number or part of the name, as `restirpg devices` shows them (the best one)");
+    app.add_option("--device", cases.device,
+                   "number or part of the name, as `restirpg devices` shows them (the best one)");
     app.add_option("--seed", cases.seed, "of all random numbers (0)");
     try {
         app.parse(argc, argv);

@@ -17,7 +17,8 @@ using test::Ray;
 constexpr uint32_t WIDTH = 640, HEIGHT = 360;  ///< of the primary rays, as in the project's earlier measurements
 
 enum class Kind { primary, bounce, shadow };
-constexpr std::pair<Kind, const char*> KINDS[] = {{Kind::primary, "primary"}, {Kind::bounce, "bounce"}, {Kind::shadow, "shadow"}};
+constexpr std::pair<Kind, const char*> KINDS[] = {
+    {Kind::primary, "primary"}, {Kind::bounce, "bounce"}, {Kind::shadow, "shadow"}};
 
 /// A scene's rays, all found with Embree so that every tracer gets the same.
 struct Workload {
@@ -26,7 +27,8 @@ struct Workload {
     EmbreeScene embree;
     std::map<Kind, std::vector<Ray>> rays;
 
-    explicit Workload(const std::string& file) : scene(loadScene(file)), pose(poseNodes(*scene, 0)), embree(*scene, pose)
+    explicit Workload(const std::string& file)
+        : scene(loadScene(file)), pose(poseNodes(*scene, 0)), embree(*scene, pose)
     {
         rays[Kind::primary] = test::primaryRays(*scene, pose, WIDTH, HEIGHT);
         const auto hits = embree.closest(rays[Kind::primary]);

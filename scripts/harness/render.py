@@ -155,9 +155,11 @@ def run(job, reference=None, tick=lambda frames: None):
     temporal = TemporalSums(reference["mean"] if reference else None)
     rows, wall, done, previous = [], 0.0, 0, None
     for frames in job.frames_measured():
-        start = time.perf_counter()
-        renderer.render(frames - done)
-        wall += 1e3 * (time.perf_counter() - start)
+        for _ in range(frames - done):
+            start = time.perf_counter()
+            renderer.render(1)
+            wall += 1e3 * (time.perf_counter() - start)
+            tick(1)
         image = np.asarray(renderer.output(job.output), np.float32)[..., :3] * np.float32(job.gain)
         if running_mean:  # the mean of n frames times n, less the same of n - 1 frames
             known = frames == 1 or (previous is not None and frames == done + 1)
@@ -171,7 +173,6 @@ def run(job, reference=None, tick=lambda frames: None):
                 + [sum(renderer.total_gpu_times().values()), wall]
             )
             temporal.add(frame, consecutive=frames == done + 1)
-        tick(frames - done)
         previous, done = image, frames
     passes, memory = renderer.total_gpu_times(), renderer.memory()
     columns = np.array(rows, float).reshape(-1, 7).T
@@ -189,8 +190,14 @@ def run(job, reference=None, tick=lambda frames: None):
             "running_mean": running_mean,
             "wall_ms": wall,
             "invalid": int(np.sum(~np.isfinite(image).all(axis=-1))),
+            "dropped": dropped_samples(renderer),
         },
     }
+
+
+def dropped_samples(renderer):
+    """How many NaN or infinite samples the graph's output "invalid" says were dropped; 0 without it."""
+    return int(np.sum(renderer.output("invalid"))) if "invalid" in renderer.output_names else 0
 
 
 class TemporalSums:

@@ -24,7 +24,7 @@ KINDS = {"image": "picture (first seed)", "mean": "mean of all seeds", "frame": 
 
 def _half(image):
     """A float image as base64 of half floats, row by row, three channels; clipped to what a half can hold."""
-    return base64.b64encode(np.clip(np.nan_to_num(image), -65504, 65504).astype("<f2").tobytes()).decode()
+    return base64.b64encode(np.clip(np.nan_to_num(image, nan=0), -65504, 65504).astype("<f2").tobytes()).decode()
 
 
 def _kinds_within_budget(findings):
@@ -53,7 +53,7 @@ def _viewer_data(scene, kinds):
         "height": truth.shape[0],
         "floor": 0.01 * float(y.mean()),
         "exposure": round(exposure, 1),
-        "scale": float(np.percentile(error.mean(axis=-1), 98)),
+        "scale": max(float(np.percentile(np.nan_to_num(error.mean(axis=-1)), 98)), 1e-6),
         "pictures": pictures,
     }
 
