@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write the embedded scenes as .glb files (and a .hdr environment where a scene has one). Same bytes on every run."""
+"""Write the embedded scenes: a .glb each, and its .hdr sky where it has one. The same bytes on every run."""
 
 import argparse
 import pathlib

@@ -2,4 +2,8 @@
 
 from . import analytic, court, door, gallery, rooms, temple
 
-SCENES = {build.__name__: build for family in (analytic, door, gallery, court, rooms, temple) for build in family.FAMILY}
+SCENES = {
+    build.__name__: build
+    for family in (analytic, door, gallery, court, rooms, temple)
+    for build in family.FAMILY
+}

@@ -8,10 +8,10 @@ from .shapes import Mesh, box, copies, join, lathe, room_quad, rounded_box, surf
 
 
 def wall(corner, along, height, openings=()):
-    """A vertical wall from `corner` (x, y, z) `along` a horizontal vector; its front is where along x up points.
+    """A vertical wall from `corner` `along` a horizontal vector; its front is where along x up points.
 
-    `openings`: (left, right, bottom, top) in metres from the corner. The wall is a grid through their edges without
-    T-junctions, so that no light leaks. UVs in metres.
+    `openings`: (left, right, bottom, top) in metres from the corner. The wall is a grid through their edges,
+    without T-junctions, so that no light leaks. UVs in metres.
     """
     corner, along = np.asarray(corner, float), np.asarray(along, float)
     length = np.linalg.norm(along)
@@ -23,7 +23,8 @@ def wall(corner, along, height, openings=()):
         for bottom, top in zip(ys[:-1], ys[1:]):
             if any(o[0] <= left and right <= o[1] and o[2] <= bottom and top <= o[3] for o in openings):
                 continue
-            panel = room_quad(corner + left * direction + (0, bottom, 0), (right - left) * direction, (0, top - bottom, 0))
+            panel = room_quad(corner + left * direction + (0, bottom, 0), (right - left) * direction,
+                              (0, top - bottom, 0))
             panels.append(Mesh(panel.positions, panel.normals, panel.uvs + (left, -top), panel.triangles))
     return join(*panels)
 
@@ -44,7 +45,7 @@ def reveal(corner, along, opening, depth, sill=True):
 
 
 def skirting(start, end, height=0.1, thickness=0.018):
-    """A board along a wall's foot; the room is on the left of the way from start to end (x, z), seen from above."""
+    """A board along a wall's foot from start to end (x, z); seen from above, the room is on the right."""
     (x0, z0), (x1, z1) = start, end
     length = math.hypot(x1 - x0, z1 - z0)
     board = rounded_box((0, 0, 0), (length, height, thickness), 0.006, 2)
@@ -55,10 +56,16 @@ def column(height, radius=0.2, flutes=16):
     """A fluted column with a square plinth, a round base and a capital, standing on y = 0."""
     base = lathe([(radius * 1.45, 0.10), (radius * 1.45, 0.15), (radius * 1.35, 0.18), (radius * 1.15, 0.20),
                   (radius * 1.25, 0.24), (radius * 1.2, 0.27), (radius * 1.02, 0.29)], 64, crease=60)
-    capital = lathe([(radius * 0.86, height - 0.32), (radius * 0.98, height - 0.30), (radius * 0.9, height - 0.26),
-                     (radius * 1.0, height - 0.22), (radius * 1.35, height - 0.12)], 64, crease=60)
-    slabs = [rounded_box((-radius * 1.6, 0, -radius * 1.6), (radius * 1.6, 0.10, radius * 1.6), 0.008),
-             rounded_box((-radius * 1.5, height - 0.12, -radius * 1.5), (radius * 1.5, height, radius * 1.5), 0.008)]
+    capital = lathe([(radius * 0.86, height - 0.32), (radius * 0.98, height - 0.30),
+                     (radius * 0.9, height - 0.26), (radius * 1.0, height - 0.22),
+                     (radius * 1.35, height - 0.12)],
+                    64,
+                    crease=60)
+    slabs = [
+        rounded_box((-radius * 1.6, 0, -radius * 1.6), (radius * 1.6, 0.10, radius * 1.6), 0.008),
+        rounded_box((-radius * 1.5, height - 0.12, -radius * 1.5), (radius * 1.5, height, radius * 1.5),
+                    0.008)
+    ]
     return join(base, capital, *slabs, _fluted_shaft(radius, 0.29, height - 0.31, flutes))
 
 
@@ -74,9 +81,10 @@ def _fluted_shaft(radius, bottom, top, flutes, sides=6, rings=12):
 
 
 def arch(span, springing, top, depth, pier, segments=24):
-    """A wall with a round-headed opening of x in [-span/2, span/2], its front at z = depth/2 and its back at -depth/2.
+    """A wall of faces z = +-depth/2 with a round-headed opening of x in [-span/2, span/2].
 
-    The opening rises straight to `springing`, then as a half circle; the wall reaches `top` and is `pier` wide beside it.
+    The opening rises straight to `springing`, then as a half circle; the wall reaches `top`, and is `pier`
+    wide beside it.
     """
     r, z = span / 2, depth / 2
     angles = np.linspace(math.pi, 0, segments + 1)
@@ -90,7 +98,9 @@ def arch(span, springing, top, depth, pier, segments=24):
         n = segments + 1
         triangles = np.concatenate([np.stack([k, k + 1, k + 1 + n], -1), np.stack([k, k + 1 + n, k + n], -1)])
         positions = np.column_stack([strip, np.full(len(strip), side * z)])
-        faces.append(Mesh(positions, np.tile((0.0, 0.0, side), (len(strip), 1)), strip * (1, -1), triangles[:, ::side]))
+        faces.append(
+            Mesh(positions, np.tile((0.0, 0.0, side), (len(strip), 1)), strip * (1, -1),
+                 triangles[:, ::side]))
         for left, right in ((-r - pier, -r), (r, r + pier)):
             x0, x1 = (left, right) if side > 0 else (right, left)
             panel = [room_quad((x0, low, side * z), (x1 - x0, 0, 0), (0, high - low, 0))
@@ -112,7 +122,8 @@ def arch(span, springing, top, depth, pier, segments=24):
 
 def steps(width, rise, tread, count):
     """A straight flight of stone steps going up towards -z from z = 0, centred on x = 0."""
-    return join(*(rounded_box((-width / 2, k * rise, -count * tread), (width / 2, (k + 1) * rise, -k * tread), 0.01)
+    return join(*(rounded_box((-width / 2, k * rise, -count * tread), (width / 2,
+                                                                       (k + 1) * rise, -k * tread), 0.01)
                   for k in range(count)))
 
 

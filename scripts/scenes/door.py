@@ -1,4 +1,4 @@
-"""Door ajar: a room lit only through a slightly open door. After the difficulty of E. Veach's scene, in our own design."""
+"""Door ajar: a room lit only through a slightly open door. E. Veach's difficulty, in our own design."""
 
 import math
 
@@ -22,8 +22,10 @@ def _rooms(scene):
                      texture=textures.plaster((0.74, 0.69, 0.60)))
     back_paint = lambert("BackRoomPaint", (0.78, 0.74, 0.66))
     ceiling = lambert("Ceiling", (0.80, 0.79, 0.76))
-    floor = Material("Floor", (1.0, 1.0, 1.0), roughness=0.28,
-                     texture=textures.checker((0.035, 0.035, 0.04), (0.70, 0.66, 0.58)), texture_scale=(1.25, 1.25))
+    floor = Material("Floor", (1.0, 1.0, 1.0),
+                     roughness=0.28,
+                     texture=textures.checker((0.035, 0.035, 0.04), (0.70, 0.66, 0.58)),
+                     texture_scale=(1.25, 1.25))
     width, depth = RIGHT - LEFT, FRONT - BACK
     behind = BACK - WALL
     scene.add("Floor", (shapes.room_quad((LEFT, 0, FRONT), (width, 0, 0), (0, 0, FAR - FRONT)), floor))
@@ -36,10 +38,12 @@ def _rooms(scene):
         wall((LEFT, 0, FRONT), (0, 0, -depth), HEIGHT), wall((RIGHT, 0, BACK), (0, 0, depth), HEIGHT),
         wall((RIGHT, 0, FRONT), (-width, 0, 0), HEIGHT)), paint))
     mirrored = (width - DOORWAY[1], width - DOORWAY[0], *DOORWAY[2:])
-    scene.add("BackRoom", (shapes.join(
-        wall((RIGHT, 0, behind), (-width, 0, 0), HEIGHT, [mirrored]), wall((LEFT, 0, FAR), (width, 0, 0), HEIGHT),
-        wall((LEFT, 0, behind), (0, 0, FAR - behind), HEIGHT), wall((RIGHT, 0, FAR), (0, 0, behind - FAR), HEIGHT)),
-        back_paint))
+    scene.add("BackRoom", (shapes.join(wall(
+        (RIGHT, 0, behind), (-width, 0, 0), HEIGHT, [mirrored]), wall(
+            (LEFT, 0, FAR), (width, 0, 0), HEIGHT), wall(
+                (LEFT, 0, behind),
+                (0, 0, FAR - behind), HEIGHT), wall((RIGHT, 0, FAR),
+                                                    (0, 0, behind - FAR), HEIGHT)), back_paint))
     gap = (LEFT + DOORWAY[0] - 0.08, LEFT + DOORWAY[1] + 0.08)
     woodwork = Material("Woodwork", (0.74, 0.71, 0.64), roughness=0.35)
     scene.add("Skirting", (shapes.join(
@@ -54,18 +58,24 @@ def _door(scene, angle):
     parts = furniture.door_leaf(DOORWAY[1] - DOORWAY[0] - 0.03, DOORWAY[3] - 0.02)
     return scene.add("Door", (parts["wood"], Material("DoorPaint", (0.36, 0.42, 0.38), roughness=0.4)),
                      (parts["metal"], metal("Brass", (0.90, 0.68, 0.32), 0.25)),
-                     at=(LEFT + DOORWAY[0] + 0.016, 0.006, BACK - WALL + 0.022), turn=rotation((0, 1, 0), angle))
+                     at=(LEFT + DOORWAY[0] + 0.016, 0.006, BACK - WALL + 0.022),
+                     turn=rotation((0, 1, 0), angle))
 
 
 def _table(scene, pot_finishes):
     """The table with the three teapots, a candlestick and a bowl of fruit, and a chair."""
-    oak = Material("Oak", (1.0, 1.0, 1.0), roughness=0.32, texture=textures.wood((0.26, 0.14, 0.065), (0.58, 0.38, 0.20)))
+    oak = Material("Oak", (1.0, 1.0, 1.0),
+                   roughness=0.32,
+                   texture=textures.wood((0.26, 0.14, 0.065), (0.58, 0.38, 0.20)))
     table = furniture.table(1.5, 0.85, TABLE_TOP)
     scene.add("Table", (table["top"], oak), (table["legs"], oak), at=(0.35, 0, 0.25))
     pot = furniture.teapot()
     places = ((-0.10, 0.26, 205), (0.34, 0.06, 155), (0.76, 0.34, 140))
     for (name, finish), (x, z, angle) in zip(pot_finishes, places):
-        scene.add(name, (pot, finish), at=(x, TABLE_TOP + 0.0005, z), turn=rotation((0, 1, 0), angle), scale=1.15)
+        scene.add(name, (pot, finish),
+                  at=(x, TABLE_TOP + 0.0005, z),
+                  turn=rotation((0, 1, 0), angle),
+                  scale=1.15)
     candlestick = furniture.candlestick()
     scene.add("Candlestick", (candlestick["metal"], metal("OldBrass", (0.80, 0.60, 0.30), 0.3)),
               (candlestick["wax"], lambert("Wax", (0.80, 0.74, 0.60))), at=(0.16, TABLE_TOP, 0.36))
@@ -73,25 +83,38 @@ def _table(scene, pot_finishes):
     scene.add("Bowl", (furniture.bowl(0.13), porcelain), at=(0.40, TABLE_TOP - 0.003, 0.50))
     orange = Material("Orange", (0.85, 0.30, 0.03), roughness=0.45)
     fruit = shapes.sphere(0.036, 16, 32)
-    scene.add("Fruit", (shapes.copies(fruit, [(0.042, 0.047, 0.01), (-0.04, 0.047, 0.025), (0.0, 0.047, -0.045),
-                                              (0.0, 0.098, 0.0)]), orange), at=(0.40, TABLE_TOP - 0.003, 0.50))
+    scene.add("Fruit", (shapes.copies(fruit, [(0.042, 0.047, 0.01), (-0.04, 0.047, 0.025),
+                                              (0.0, 0.047, -0.045), (0.0, 0.098, 0.0)]), orange),
+              at=(0.40, TABLE_TOP - 0.003, 0.50))
     chair = furniture.chair()
     cloth = lambert("Cloth", texture=textures.woven((0.42, 0.10, 0.08)))
-    scene.add("Chair", (chair["wood"], oak), (chair["cushion"], cloth), at=(0.75, 0, -0.62), turn=rotation((0, 1, 0), -24))
+    scene.add("Chair", (chair["wood"], oak), (chair["cushion"], cloth),
+              at=(0.75, 0, -0.62),
+              turn=rotation((0, 1, 0), -24))
 
 
 def _furnishings(scene):
     """Painting, sideboard with books and a vase, a standing lamp that is off, and a rug."""
     gilt = metal("Gilt", (0.83, 0.61, 0.29), 0.38)
     painting = furniture.picture(1.2, 0.9)
-    scene.add("Painting", (painting["canvas"], Material("Canvas", (1.0,) * 3, roughness=0.6, texture=textures.painting())),
-              (painting["frame"], gilt), at=(0.75, 1.62, BACK + 0.001))
+    scene.add("Painting",
+              (painting["canvas"], Material("Canvas",
+                                            (1.0,) * 3, roughness=0.6, texture=textures.painting())),
+              (painting["frame"], gilt),
+              at=(0.75, 1.62, BACK + 0.001))
     small = furniture.picture(0.42, 0.56, border=0.04)
-    scene.add("SmallPainting", (small["canvas"], lambert("SmallCanvas", texture=textures.abstract_painting())),
+    scene.add("SmallPainting",
+              (small["canvas"], lambert("SmallCanvas", texture=textures.abstract_painting())),
               (small["frame"], Material("BlackFrame", (0.02,) * 3, roughness=0.3)),
-              at=(LEFT + 0.001, 1.5, -0.6), turn=rotation((0, 1, 0), 90))
-    walnut = Material("Walnut", (1.0,) * 3, roughness=0.3, texture=textures.wood((0.06, 0.028, 0.014), (0.2, 0.1, 0.05), 21))
-    doors = [shapes.rounded_box((x + 0.01, 0.14, 0.415), (x + 0.49, 0.70, 0.435), 0.005, 2) for x in (-0.75, -0.25, 0.25)]
+              at=(LEFT + 0.001, 1.5, -0.6),
+              turn=rotation((0, 1, 0), 90))
+    walnut = Material("Walnut", (1.0,) * 3,
+                      roughness=0.3,
+                      texture=textures.wood((0.06, 0.028, 0.014), (0.2, 0.1, 0.05), 21))
+    doors = [
+        shapes.rounded_box((x + 0.01, 0.14, 0.415), (x + 0.49, 0.70, 0.435), 0.005, 2)
+        for x in (-0.75, -0.25, 0.25)
+    ]
     body = shapes.join(shapes.rounded_box((-0.75, 0.12, 0.0), (0.75, 0.74, 0.42)),
                        shapes.rounded_box((-0.78, 0.74, -0.01), (0.78, 0.77, 0.45), 0.006, 2), *doors,
                        shapes.copies(shapes.rounded_box((-0.03, 0, -0.03), (0.03, 0.12, 0.03)),
@@ -99,18 +122,24 @@ def _furnishings(scene):
     side = scene.add("Sideboard", (body, walnut), at=(0.95, 0, BACK + 0.03))
     knobs = shapes.copies(shapes.sphere(0.014, 12, 24), [(x, 0.44, 0.446) for x in (-0.3, -0.2, 0.7)])
     scene.add("Knobs", (knobs, gilt), parent=side)
-    scene.add("Vase", (furniture.vase(), Material("Celadon", (0.16, 0.36, 0.29), roughness=0.1)), at=(0.48, 0.77, 0.21),
+    scene.add("Vase", (furniture.vase(), Material("Celadon", (0.16, 0.36, 0.29), roughness=0.1)),
+              at=(0.48, 0.77, 0.21),
               parent=side)
     covers = [Material(f"Cover{k}", color, roughness=0.6) for k, color in enumerate(
         ((0.35, 0.05, 0.04), (0.04, 0.10, 0.22), (0.30, 0.22, 0.10), (0.05, 0.16, 0.08), (0.55, 0.50, 0.40)))]
-    scene.add("Books", *((book, covers[k % 5]) for k, book in enumerate(furniture.books(0.5, 4))), at=(-0.6, 0.77, 0.2),
+    scene.add("Books",
+              *((book, covers[k % 5]) for k, book in enumerate(furniture.books(0.5, 4))),
+              at=(-0.6, 0.77, 0.2),
               parent=side)
     lamp = furniture.floor_lamp()
     scene.add("FloorLamp", (lamp["metal"], metal("Bronze", (0.45, 0.30, 0.16), 0.35)),
               (lamp["shade"], lambert("Shade", (0.75, 0.66, 0.50))), at=(-1.85, 0, -0.05))
     rug = shapes.surface(lambda u, v: _rug_point(u, v), 24, 36)
-    scene.add("Rug", (rug, lambert("Rug", texture=textures.rug((0.30, 0.05, 0.04), (0.62, 0.48, 0.28), (0.05, 0.06, 0.14)))),
-              at=(-0.2, 0, 0.0))
+    scene.add(
+        "Rug",
+        (rug, lambert("Rug", texture=textures.rug((0.30, 0.05, 0.04), (0.62, 0.48, 0.28),
+                                                  (0.05, 0.06, 0.14)))),
+        at=(-0.2, 0, 0.0))
 
 
 def _rug_point(u, v):

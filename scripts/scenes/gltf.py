@@ -1,9 +1,9 @@
 """Writing glTF 2.0 binary files: the materials, lights, cameras and node animation that the renderer reads.
 
-Units are glTF's: metres, radians, +y up; radiance in W/sr/m^2 (linear sRGB). A scene is deterministic: the same calls
-give the same bytes.
+Units are glTF's: metres, radians, +y up; radiance in W/sr/m^2, linear sRGB. Equal calls give equal bytes.
 """
 
+import functools
 import json
 import math
 import struct
@@ -25,6 +25,11 @@ class Texture:
 
     pixels: np.ndarray
     nearest: bool = False  # no filtering: crisp texels
+
+    @functools.cached_property
+    def png(self):
+        """Bytes of the image's PNG file."""
+        return encode_png(self.pixels)
 
 
 @dataclass(frozen=True)
@@ -65,7 +70,7 @@ def metal(name, color, roughness):
 
 
 def glass(name, ior=1.5, roughness=0.0, tint=(1.0, 1.0, 1.0), tint_distance=math.inf):
-    """A solid dielectric; `tint` is the transmittance over `tint_distance` metres. Its mesh has to be closed."""
+    """A solid dielectric; `tint` is the transmittance over `tint_distance` metres. Only for closed meshes."""
     return Material(name, (1.0, 1.0, 1.0), roughness=roughness, transmission=1.0, ior=ior, thickness=1.0,
                     attenuation_color=tuple(tint), attenuation_distance=tint_distance)
 
@@ -122,7 +127,7 @@ def look_at(position, target, up=(0.0, 1.0, 0.0)):
 
 @dataclass
 class SceneFile:
-    """A scene under construction; `write` saves it. `environment`: constant radiance (r, g, b) or an image (H, W, 3)."""
+    """A scene under construction; `write` saves it. `environment`: radiance (r, g, b) or image (H, W, 3)."""
 
     name: str
     bounces: int
@@ -138,7 +143,7 @@ class SceneFile:
         return len(self._json[kind]) - 1
 
     def _once(self, key, owner, make):
-        """Index of what `make` appends, made only once per key. Holding `owner` keeps its id() from being reused."""
+        """Index of what `make` appends, made once a key. Holding `owner` keeps its id() from being reused."""
         if key not in self._cache:
             self._cache[key] = (make(), owner)
         return self._cache[key][0]
@@ -156,17 +161,20 @@ class SceneFile:
         component = {"f": FLOAT, "u": UINT16 if values.itemsize == 2 else UINT32}[values.dtype.kind]
         columns = 1 if values.ndim == 1 else values.shape[1]
         table = values.reshape(len(values), columns)
-        return self._append("accessors", {
-            "bufferView": self._view(values.tobytes(), target), "componentType": component, "count": len(values),
-            "type": "SCALAR" if values.ndim == 1 else f"VEC{columns}",
-            "min": table.min(axis=0).tolist(), "max": table.max(axis=0).tolist()})
+        return self._append(
+            "accessors", {
+                "bufferView": self._view(values.tobytes(), target), "componentType": component, "count":
+                len(values), "type": "SCALAR" if values.ndim == 1 else f"VEC{columns}", "min":
+                table.min(axis=0).tolist(), "max": table.max(axis=0).tolist()
+            })
 
     def _texture(self, texture):
         def make():
             filters = ({"magFilter": NEAREST, "minFilter": NEAREST} if texture.nearest
                        else {"magFilter": LINEAR, "minFilter": LINEAR_MIPMAP_LINEAR})
-            sampler = self._once(("sampler", texture.nearest), None, lambda: self._append("samplers", filters))
-            image = self._append("images", {"bufferView": self._view(encode_png(texture.pixels)),
+            sampler = self._once(("sampler", texture.nearest), None,
+                                 lambda: self._append("samplers", filters))
+            image = self._append("images", {"bufferView": self._view(texture.png),
                                             "mimeType": "image/png"})
             return self._append("textures", {"sampler": sampler, "source": image})
         return {"index": self._once(("texture", id(texture)), texture, make)}
@@ -184,7 +192,9 @@ class SceneFile:
             pbr["baseColorTexture"] = self._texture(m.texture)
             if m.texture_scale != (1.0, 1.0):
                 self._extensions.add("KHR_texture_transform")
-                pbr["baseColorTexture"]["extensions"] = {"KHR_texture_transform": {"scale": list(m.texture_scale)}}
+                pbr["baseColorTexture"]["extensions"] = {
+                    "KHR_texture_transform": {"scale": list(m.texture_scale)}
+                }
         if m.roughness_texture:
             pbr["metallicRoughnessTexture"] = self._texture(m.roughness_texture)
         out = {"name": m.name, "pbrMetallicRoughness": pbr}
@@ -205,7 +215,10 @@ class SceneFile:
         if m.thickness > 0:
             volume = {"thicknessFactor": m.thickness}
             if math.isfinite(m.attenuation_distance):
-                volume |= {"attenuationDistance": m.attenuation_distance, "attenuationColor": list(m.attenuation_color)}
+                volume |= {
+                    "attenuationDistance": m.attenuation_distance, "attenuationColor":
+                    list(m.attenuation_color)
+                }
             extensions["KHR_materials_volume"] = volume
         if m.double_sided:
             out["doubleSided"] = True
@@ -227,7 +240,7 @@ class SceneFile:
         return {"attributes": attributes, "indices": indices, "material": self._material(material)}
 
     def add(self, name, *parts, at=None, turn=None, scale=None, parent=None):
-        """Add a node; returns its index. `parts` are (Mesh, Material) pairs; `turn` is a quaternion, `scale` a number.
+        """Add a node; returns its index. `parts`: (Mesh, Material) pairs; `turn`: a quaternion.
 
         The same parts (by identity) placed again share one mesh.
         """
@@ -259,15 +272,18 @@ class SceneFile:
         return self._add_node({"name": name, "camera": camera}, position, look_at(position, target))
 
     def add_spot(self, name, position, target, intensity, inner=15.0, outer=25.0, up=(0.0, 0.0, 1.0)):
-        """Add a KHR_lights_punctual spot light. `intensity`: (r, g, b) in W/sr; half cone angles in degrees."""
+        """Add a spot light (KHR_lights_punctual). `intensity`: (r, g, b), W/sr; half cone angles, degrees."""
         self._extensions.add("KHR_lights_punctual")
         strength = max(intensity)
         lights = (self._json.setdefault("extensions", {})
                   .setdefault("KHR_lights_punctual", {"lights": []})["lights"])
-        lights.append({"name": name, "type": "spot", "color": [i / strength for i in intensity], "intensity": strength,
-                       "spot": {"innerConeAngle": math.radians(inner), "outerConeAngle": math.radians(outer)}})
-        return self._add_node({"name": name, "extensions": {"KHR_lights_punctual": {"light": len(lights) - 1}}},
-                              position, look_at(position, target, up))
+        lights.append({
+            "name": name, "type": "spot", "color": [i / strength for i in intensity], "intensity": strength,
+            "spot": {"innerConeAngle": math.radians(inner), "outerConeAngle": math.radians(outer)}
+        })
+        return self._add_node(
+            {"name": name, "extensions": {"KHR_lights_punctual": {"light": len(lights) - 1}}}, position,
+            look_at(position, target, up))
 
     def animate(self, node, path, times, values):
         """Animate "translation" or "rotation" of a node linearly through keys at `times` (s)."""
@@ -294,8 +310,9 @@ class SceneFile:
         text = json.dumps(document, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
         binary = bytes(self._binary) + b"\0" * (-len(self._binary) % 4)
-        return (struct.pack("<4sII", b"glTF", 2, 12 + 8 + len(text) + 8 + len(binary))
-                + struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(binary), b"BIN\0") + binary)
+        return (struct.pack("<4sII", b"glTF", 2, 12 + 8 + len(text) + 8 + len(binary)) +
+                struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(binary), b"BIN\0") +
+                binary)
 
     def write(self, folder):
         """Write NAME.glb, and NAME.hdr where the environment is an image. Returns the .glb's path."""

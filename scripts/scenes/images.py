@@ -1,4 +1,4 @@
-"""Image files without a library: PNG (8-bit) and Radiance .hdr (RGBE), byte for byte the same on every run."""
+"""Image files without a library: PNG (8-bit) and Radiance .hdr (RGBE), the same bytes on every run."""
 
 import os
 import struct
@@ -24,10 +24,10 @@ def encode_png(pixels):
 
 
 def encode_hdr(radiance):
-    """Bytes of a Radiance .hdr file. `radiance`: float (H, W, 3), linear, W/sr/m^2, 8 <= W < 32768, rows from the top.
+    """Bytes of a Radiance .hdr file. `radiance`: float (H, W, 3), linear, 8 <= W < 32768, rows from the top.
 
-    Ward, "Real Pixels", Graphics Gems II (1991): a shared exponent of the brightest channel. Scanlines are in the
-    run-length layout, but hold literal runs only, since a sky has no runs.
+    Ward, "Real Pixels", Graphics Gems II (1991): a shared exponent of the brightest channel. Scanlines are in
+    the run-length layout, but hold literal runs only, since a sky has no runs.
     """
     height, width, _ = radiance.shape
     brightest = radiance.max(axis=2)

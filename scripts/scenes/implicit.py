@@ -1,4 +1,4 @@
-"""Closed meshes from implicit functions: blended shapes that no lathe can make, watertight by construction."""
+"""Closed meshes from implicit functions: blended shapes that no lathe makes, watertight by construction."""
 
 import numpy as np
 
@@ -17,12 +17,13 @@ def capsule_chain(points, path, radii):
     for a, b, ra, rb in zip(path[:-1], path[1:], radii[:-1], radii[1:]):
         axis = b - a
         t = np.clip((points - a) @ axis / (axis @ axis), 0.0, 1.0)
-        best = np.minimum(best, np.linalg.norm(points - a - t[..., None] * axis, axis=-1) - (ra + t * (rb - ra)))
+        best = np.minimum(best,
+                          np.linalg.norm(points - a - t[..., None] * axis, axis=-1) - (ra + t * (rb - ra)))
     return best
 
 
 def revolved(points, profile):
-    """Signed distance from points (..., 3) to the solid of revolution about +y of a closed outline (K, 2) of (radius, y)."""
+    """Signed distance from points (..., 3) to the solid that an outline of (radius, y) sweeps about +y."""
     q = np.stack([np.hypot(points[..., 0], points[..., 2]), points[..., 1]], -1)
     distance = np.full(q.shape[:-1], np.inf)
     inside = np.zeros(q.shape[:-1], bool)
@@ -48,7 +49,7 @@ def gradient(field, points, step):
 def mesh_isosurface(field, lower, upper, cell):
     """Closed triangle mesh of field = 0 (negative inside), which must lie within the box lower..upper.
 
-    Surface nets (Gibson 1998): a vertex in each cell that the surface crosses, a quad across each crossed grid edge;
+    Surface nets (Gibson 1998): a vertex a cell that the surface crosses, a quad across each crossed edge;
     then two Newton steps along the gradient put the vertices on the surface. `cell`: edge length
     in metres; a grid plane that grazes a flat part of the surface leaves slivers, so pick one that does not.
     """
@@ -63,7 +64,8 @@ def mesh_isosurface(field, lower, upper, cell):
         slope = gradient(field, positions, cell * 0.1)
         move = field(positions)[:, None] * slope / np.maximum((slope * slope).sum(1, keepdims=True), 1e-6)
         length = np.linalg.norm(move, axis=1, keepdims=True)
-        positions -= move * np.minimum(1.0, 0.2 * cell / np.maximum(length, 1e-12))  # longer ones would fold the sheet
+        positions -= move * np.minimum(
+            1.0, 0.2 * cell / np.maximum(length, 1e-12))  # longer ones would fold the sheet
     normals = unit(gradient(field, positions, cell * 0.1))
     triangles = np.concatenate([_quads(values < 0, index, positions, axis) for axis in range(3)])
     uvs = positions[:, :2] * (1, -1)
@@ -71,11 +73,12 @@ def mesh_isosurface(field, lower, upper, cell):
 
 
 def _cell_centroids(values):
-    """Indices (N, 3) of the cells that the surface crosses, and the mean of its crossings with each cell's edges."""
+    """Indices (N, 3) of the cells that the surface crosses, and the mean crossing of each cell's edges."""
     shape = np.array(values.shape) - 1
     total, count = np.zeros((*shape, 3)), np.zeros(shape)
     for axis in range(3):
-        tail, head = np.take(values, range(shape[axis]), axis), np.take(values, range(1, shape[axis] + 1), axis)
+        tail = np.take(values, range(shape[axis]), axis)
+        head = np.take(values, range(1, shape[axis] + 1), axis)
         crossed = (tail < 0) != (head < 0)
         at = np.argwhere(crossed)
         point = at.astype(float)
@@ -110,5 +113,6 @@ def _quads(inside, index, positions, axis):
     quads = np.stack([cell(1, 1), cell(0, 1), cell(0, 0), cell(1, 0)], -1)
     quads[~leaving] = quads[~leaving][:, ::-1]
     diagonal = [np.linalg.norm(positions[quads[:, i]] - positions[quads[:, i + 2]], axis=1) for i in (0, 1)]
-    split = np.where((diagonal[0] <= diagonal[1])[:, None], quads[:, [0, 1, 2, 0, 2, 3]], quads[:, [1, 2, 3, 1, 3, 0]])
+    split = np.where((diagonal[0] <= diagonal[1])[:, None], quads[:, [0, 1, 2, 0, 2, 3]],
+                     quads[:, [1, 2, 3, 1, 3, 0]])
     return split.reshape(-1, 3)

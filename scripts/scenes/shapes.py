@@ -1,4 +1,4 @@
-"""Triangle meshes: boxes, lathes, tubes, spheres, parametric sheets. Counter-clockwise from outside; metres."""
+"""Triangle meshes: boxes, lathes, tubes, spheres, sheets. Counter-clockwise from outside; metres."""
 
 import math
 from dataclasses import dataclass
@@ -44,7 +44,8 @@ class Mesh:
         """The mesh with a flat normal a triangle (vertices unshared)."""
         corners = self.positions[self.triangles]
         normals = unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
-        return Mesh(corners.reshape(-1, 3), np.repeat(normals, 3, axis=0), self.uvs[self.triangles].reshape(-1, 2),
+        return Mesh(corners.reshape(-1, 3), np.repeat(normals, 3, axis=0),
+                    self.uvs[self.triangles].reshape(-1, 2),
                     np.arange(corners.shape[0] * 3).reshape(-1, 3))
 
 
@@ -56,8 +57,9 @@ def unit(vectors):
 def join(*meshes):
     """One mesh of several."""
     starts = np.cumsum([0] + [len(m.positions) for m in meshes])
-    return Mesh(*(np.concatenate([getattr(m, part) for m in meshes]) for part in ("positions", "normals", "uvs")),
-                np.concatenate([m.triangles + start for m, start in zip(meshes, starts)]))
+    return Mesh(
+        *(np.concatenate([getattr(m, part) for m in meshes]) for part in ("positions", "normals", "uvs")),
+        np.concatenate([m.triangles + start for m, start in zip(meshes, starts)]))
 
 
 def copies(mesh, offsets):
@@ -80,7 +82,7 @@ def drop_degenerate(mesh):
 
 
 def quad(corner, edge_u, edge_v, divisions=(1, 1)):
-    """A rectangle whose front is where edge_u x edge_v points. UVs: u along edge_u, v down, from (0, 0) to (1, 1)."""
+    """A rectangle whose front is where edge_u x edge_v points. UVs: u along edge_u, v against edge_v."""
     edge_u, edge_v = np.asarray(edge_u, float), np.asarray(edge_v, float)
     columns, rows = divisions[0] + 1, divisions[1] + 1
     v, u = np.meshgrid(np.linspace(0, 1, rows), np.linspace(0, 1, columns), indexing="ij")
@@ -98,8 +100,11 @@ def room_quad(corner, edge_u, edge_v, divisions=(1, 1)):
 def _box_faces(lower, upper):
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     x, y, z = np.diag(upper - lower)
-    return [room_quad(corner, u, v) for corner, u, v in (
-        (lower + x, -x, y), (lower + z, x, y), (lower, z, y), (upper - y, -z, y), (lower + y + z, x, -z), (lower, x, z))]
+    return [
+        room_quad(corner, u, v)
+        for corner, u, v in ((lower + x, -x, y), (lower + z, x, y), (lower, z, y), (upper - y, -z, y),
+                             (lower + y + z, x, -z), (lower, x, z))
+    ]
 
 
 def box(lower, upper):
@@ -108,9 +113,10 @@ def box(lower, upper):
 
 
 def rounded_box(lower, upper, radius=0.004, segments=1):
-    """A box with rounded edges, which catch the light as real ones do. UVs in metres, projected along each face's axis.
+    """A box with rounded edges, which catch the light as real ones do. UVs in metres, projected a face.
 
-    A point p of the sharp box goes to c + radius * unit(p - c), c being p clamped to the box shrunk by the radius.
+    A point p of the sharp box goes to c + radius * unit(p - c), c being p clamped to the box shrunk by the
+    radius.
     """
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     center, half = (lower + upper) / 2, (upper - lower) / 2
@@ -140,7 +146,7 @@ def rounded_box(lower, upper, radius=0.004, segments=1):
 
 
 def _profile_normals(profile, crease):
-    """Split a profile (K, 2) at angles sharper than `crease` degrees; returns points, normals, arc lengths."""
+    """Split a profile (K, 2) at angles sharper than `crease` degrees: points, normals, arc lengths."""
     edges = np.diff(profile, axis=0)
     lengths = np.linalg.norm(edges, axis=1)
     side = np.stack([edges[:, 1], -edges[:, 0]], -1) / lengths[:, None]
@@ -161,7 +167,8 @@ def _profile_normals(profile, crease):
 def lathe(profile, segments=48, crease=40.0):
     """A surface of revolution about +y. `profile`: (radius, y) from bottom to top along the outside.
 
-    Closed where the profile begins and ends at radius 0. Normals are smooth across angles under `crease` degrees.
+    Closed where the profile begins and ends at radius 0. Normals are smooth across angles under `crease`
+    degrees.
     """
     profile = np.asarray(profile, float)
     angles = np.linspace(0, 2 * math.pi, segments + 1)
@@ -169,14 +176,17 @@ def lathe(profile, segments=48, crease=40.0):
     cosine[-1], sine[-1] = cosine[0], sine[0]  # the seam's two columns have the same positions
     strips = []
     for points, normals, along in _profile_normals(profile, crease):
-        positions = np.stack([points[:, :1] * cosine, np.broadcast_to(points[:, 1:], (len(points), segments + 1)),
-                              -points[:, :1] * sine], -1)
+        positions = np.stack([
+            points[:, :1] * cosine,
+            np.broadcast_to(points[:, 1:], (len(points), segments + 1)), -points[:, :1] * sine
+        ], -1)
         directions = np.stack([normals[:, :1] * cosine, np.broadcast_to(normals[:, 1:], positions.shape[:2]),
                                -normals[:, :1] * sine], -1)
         circumference = 2 * math.pi * profile[:, 0].max()
         u, v = np.meshgrid(angles / (2 * math.pi) * circumference, -along)
-        strips.append(Mesh(positions.reshape(-1, 3), directions.reshape(-1, 3), np.stack([u, v], -1).reshape(-1, 2),
-                           grid_triangles(len(points), segments + 1)))
+        strips.append(
+            Mesh(positions.reshape(-1, 3), directions.reshape(-1, 3),
+                 np.stack([u, v], -1).reshape(-1, 2), grid_triangles(len(points), segments + 1)))
     return drop_degenerate(join(*strips))
 
 
@@ -184,8 +194,8 @@ def cylinder(radius, height, segments=32, bevel=0.0):
     """A closed cylinder standing on y = 0, its rims bevelled."""
     profile = [(0, 0), (radius, 0), (radius, height), (0, height)]
     if bevel:
-        profile = [(0, 0), (radius - bevel, 0), (radius, bevel), (radius, height - bevel), (radius - bevel, height),
-                   (0, height)]
+        profile = [(0, 0), (radius - bevel, 0), (radius, bevel), (radius, height - bevel),
+                   (radius - bevel, height), (0, height)]
     return lathe(profile, segments)
 
 
@@ -203,9 +213,9 @@ def icosphere(radius, subdivisions):
     points = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g), (0, -1, -g), (0, 1, -g),
               (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
     points = [unit(np.array(p, float)) for p in points]
-    faces = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2), (10, 7, 6),
-             (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10),
-             (8, 6, 7), (9, 8, 1)]
+    faces = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2),
+             (10, 7, 6), (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5),
+             (2, 4, 11), (6, 2, 10), (8, 6, 7), (9, 8, 1)]
     for _ in range(subdivisions):
         middle = {}
 
@@ -225,20 +235,24 @@ def icosphere(radius, subdivisions):
 
 
 def surface(function, columns, rows, wrap_u=False, wrap_v=False):
-    """A parametric sheet: function(u, v) -> (..., 3) over the unit square; its front is where dp/du x dp/dv points.
+    """A parametric sheet: function(u, v) -> (..., 3) over the unit square; its front is along dp/du x dp/dv.
 
-    A wrapped direction is periodic: its last column repeats the first one exactly, so that the sheet is closed there.
+    A wrapped direction is periodic: its last column repeats the first one exactly, which closes the sheet.
     """
     v, u = np.meshgrid(np.linspace(0, 1, rows + 1), np.linspace(0, 1, columns + 1), indexing="ij")
     positions = function(u, v)
     step = 1e-4
-    normals = unit(np.cross(function(u + step, v) - function(u - step, v), function(u, v + step) - function(u, v - step)))
+    normals = unit(
+        np.cross(
+            function(u + step, v) - function(u - step, v),
+            function(u, v + step) - function(u, v - step)))
     if wrap_u:
         positions[:, -1], normals[:, -1] = positions[:, 0], normals[:, 0]
     if wrap_v:
         positions[-1], normals[-1] = positions[0], normals[0]
-    return drop_degenerate(Mesh(positions.reshape(-1, 3), normals.reshape(-1, 3), np.stack([u, 1 - v], -1).reshape(-1, 2),
-                                grid_triangles(rows + 1, columns + 1)))
+    return drop_degenerate(
+        Mesh(positions.reshape(-1, 3), normals.reshape(-1, 3),
+             np.stack([u, 1 - v], -1).reshape(-1, 2), grid_triangles(rows + 1, columns + 1)))
 
 
 def torus(major, minor, segments=48, sides=24):
@@ -273,9 +287,10 @@ def tube(path, radius, sides=16):
 
 
 def _disc(center, normal, rim):
-    """A fan that closes a rim (K, 3), counter-clockwise about the normal, whose last point repeats the first."""
+    """A fan that closes a rim (K, 3), counter-clockwise about the normal, whose ends coincide."""
     count = len(rim)
-    return Mesh(np.concatenate([[center], rim]), np.tile(normal, (count + 1, 1)), np.full((count + 1, 2), 0.5),
+    return Mesh(np.concatenate([[center], rim]), np.tile(normal, (count + 1, 1)),
+                np.full((count + 1, 2), 0.5),
                 np.array([(0, k, k + 1) for k in range(1, count)]))
 
 

@@ -1,4 +1,6 @@
-"""Procedural images: uint8 sRGB (H, W, 3) that repeat seamlessly unless they say otherwise. Seeded, own design."""
+"""Procedural images: sRGB (H, W, 3) that repeat seamlessly unless they say otherwise. Seeded, own design."""
+
+import functools
 
 import numpy as np
 
@@ -13,7 +15,7 @@ def to_srgb(linear):
 
 
 def noise(size, octaves, seed, start=4):
-    """Periodic fractal value noise in [0, 1], (size, size): octaves of smoothly interpolated random lattices."""
+    """Periodic fractal value noise in [0, 1], (size, size): octaves of smoothly interpolated lattices."""
     random = np.random.default_rng(seed)
     total, weight = np.zeros((size, size)), 0.0
     for octave in range(octaves):
@@ -40,6 +42,7 @@ def pixel_grid(width, height):
     return np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height)
 
 
+@functools.cache
 def checker(dark, light, seed=1, size=512, marbling=0.25):
     """Two by two polished stone tiles with thin joints."""
     u, v = pixel_grid(size, size)
@@ -50,6 +53,7 @@ def checker(dark, light, seed=1, size=512, marbling=0.25):
     return Texture(to_srgb(np.where(joint[..., None], 0.6 * np.asarray(dark) + 0.02, colors)))
 
 
+@functools.cache
 def wood(dark, light, seed=2, size=512):
     """Boards along u, four across v, each with its own grain."""
     random = np.random.default_rng(seed)
@@ -69,6 +73,7 @@ def wood(dark, light, seed=2, size=512):
     return Texture(to_srgb(mix(dark, light, tone) * np.where(joint, 0.35, 1.0)[..., None]))
 
 
+@functools.cache
 def planks(dark, light, seed=3, size=1024):
     """Parquet: boards along u, eight across v, with staggered ends."""
     random = np.random.default_rng(seed)
@@ -84,16 +89,19 @@ def planks(dark, light, seed=3, size=1024):
     return Texture(to_srgb(mix(dark, light, tone) * np.where(joint, 0.3, 1.0)[..., None]))
 
 
+@functools.cache
 def tiles(color, joint_color, count=4, seed=4, size=512, variation=0.2):
     """Square tiles of slightly different tones with joints."""
     random = np.random.default_rng(seed)
     u, v = pixel_grid(size, size)
-    tone = 1 + variation * (random.random((count, count)) - 0.5)[(v * count).astype(int), (u * count).astype(int)]
+    tone = 1 + variation * (random.random((count, count)) - 0.5)[(v * count).astype(int),
+                                                                 (u * count).astype(int)]
     colors = np.asarray(color) * (tone * (0.85 + 0.3 * noise(size, 6, seed)))[..., None]
     edge = np.minimum(np.abs((u * count + 0.5) % 1 - 0.5), np.abs((v * count + 0.5) % 1 - 0.5))
     return Texture(to_srgb(np.where((edge < 0.02)[..., None], joint_color, colors)))
 
 
+@functools.cache
 def bricks(color, joint_color, seed=5, size=512):
     """Running bond: 8 courses of 4 bricks."""
     random = np.random.default_rng(seed)
@@ -106,11 +114,13 @@ def bricks(color, joint_color, seed=5, size=512):
     return Texture(to_srgb(np.where(joint[..., None], joint_color, colors)))
 
 
+@functools.cache
 def plaster(color, seed=6, size=512, contrast=0.12):
     """A wall colour with faint blotches."""
     return Texture(to_srgb(np.asarray(color) * (1 + contrast * (noise(size, 6, seed) - 0.5))[..., None]))
 
 
+@functools.cache
 def woven(color, seed=7, size=256):
     """A coarse fabric: alternating warp and weft."""
     u, v = pixel_grid(size, size)
@@ -118,6 +128,7 @@ def woven(color, seed=7, size=256):
     return Texture(to_srgb(np.asarray(color) * (weave * (0.85 + 0.3 * noise(size, 4, seed)))[..., None]))
 
 
+@functools.cache
 def rug(ground, figure, border, width=512, height=768):
     """A carpet of nested lozenges within two borders (does not repeat)."""
     u, v = pixel_grid(width, height)
@@ -131,8 +142,9 @@ def rug(ground, figure, border, width=512, height=768):
     return Texture(to_srgb(colors * threads[..., None]))
 
 
+@functools.cache
 def painting(seed=8, width=640, height=480):
-    """A landscape at dusk: banded sky, a low sun, ranges of hills with mist between, reflections in a lake."""
+    """A landscape at dusk: banded sky, a low sun, ranges of hills in mist, reflections in a lake."""
     random = np.random.default_rng(seed)
     u, v = pixel_grid(width, height)
     horizon = 0.62
@@ -142,7 +154,8 @@ def painting(seed=8, width=640, height=480):
     t = np.clip(above / horizon, 0, 1)
     colors = mix((0.16, 0.30, 0.62), (1.0, 0.62, 0.26), t ** 1.3)
     colors += np.exp(-((u - 0.67) ** 2 + (above - 0.47) ** 2) / 0.01)[..., None] * (0.9, 0.6, 0.25)
-    colors = np.where((((u - 0.67) ** 2 + (0.75 * (above - 0.47)) ** 2) < 0.0016)[..., None], (1.0, 0.9, 0.65), colors)
+    colors = np.where((((u - 0.67) ** 2 + (0.75 * (above - 0.47)) ** 2) < 0.0016)[..., None],
+                      (1.0, 0.9, 0.65), colors)
     for layer in range(4):
         phase = random.random(3) * 6.28
         ridge = 0.40 + 0.055 * layer + 0.05 * np.sin(5 * u + phase[0]) + 0.025 * np.sin(13 * u + phase[1])
@@ -156,13 +169,15 @@ def painting(seed=8, width=640, height=480):
     return Texture(to_srgb(colors))
 
 
+@functools.cache
 def abstract_painting(seed=9, width=480, height=640):
     """Overlapping translucent discs and bars on a pale ground."""
     random = np.random.default_rng(seed)
     u, v = pixel_grid(width, height)
     v = v * height / width
     colors = mix((0.86, 0.80, 0.68), (0.74, 0.68, 0.55), noise(1024, 5, seed)[:height, :width])
-    palette = np.array([(0.65, 0.08, 0.05), (0.04, 0.16, 0.36), (0.85, 0.50, 0.06), (0.05, 0.25, 0.18), (0.02,) * 3])
+    palette = np.array([(0.65, 0.08, 0.05), (0.04, 0.16, 0.36), (0.85, 0.50, 0.06), (0.05, 0.25, 0.18),
+                        (0.02,) * 3])
     for k in range(12):
         x, y, r = random.random() * 0.9, random.random() * 1.25, 0.05 + 0.2 * random.random()
         disc = (u - x) ** 2 + (v - y) ** 2 < r * r
@@ -172,6 +187,7 @@ def abstract_painting(seed=9, width=480, height=640):
     return Texture(to_srgb(colors))
 
 
+@functools.cache
 def stained_glass(seed=10, size=256, cells=26):
     """Coloured Voronoi panes in black leading, for an emitter (does not repeat)."""
     random = np.random.default_rng(seed)
@@ -180,11 +196,13 @@ def stained_glass(seed=10, size=256, cells=26):
     distance = np.hypot(u[..., None] - seeds[:, 0], v[..., None] - seeds[:, 1])
     order = np.sort(distance, axis=-1)
     pane = distance.argmin(axis=-1)
-    hues = np.array([(1.0, 0.25, 0.08), (0.1, 0.35, 1.0), (1.0, 0.75, 0.15), (0.1, 0.8, 0.3), (0.7, 0.12, 0.6)])
+    hues = np.array([(1.0, 0.25, 0.08), (0.1, 0.35, 1.0), (1.0, 0.75, 0.15), (0.1, 0.8, 0.3),
+                     (0.7, 0.12, 0.6)])
     colors = hues[pane % 5] * (0.5 + 0.5 * random.random(cells))[pane][..., None]
     return Texture(to_srgb(np.where((order[..., 1] - order[..., 0] < 0.02)[..., None], 0.0, colors)))
 
 
+@functools.cache
 def brushed(seed=11, size=256, low=0.15, high=0.45):
     """Roughness (g) and metallic (b) of brushed metal: streaks along u."""
     streaks = np.repeat(noise(size, 7, seed)[:, ::16], 16, axis=1)
@@ -195,7 +213,7 @@ def brushed(seed=11, size=256, low=0.15, high=0.45):
 
 
 def normals_of(height, strength):
-    """Tangent-space normal map of a periodic height field (H, W), v down; `strength` in texels a unit of height."""
+    """Tangent-space normal map of a periodic height field (H, W), v down; `strength`: texels a unit."""
     slope_u = (np.roll(height, -1, 1) - np.roll(height, 1, 1)) / 2 * strength
     slope_v = (np.roll(height, -1, 0) - np.roll(height, 1, 0)) / 2 * strength
     normal = np.stack([-slope_u, slope_v, np.ones_like(height)], -1)
@@ -203,38 +221,43 @@ def normals_of(height, strength):
     return Texture(((normal * 0.5 + 0.5) * 255 + 0.5).astype(np.uint8))
 
 
+@functools.cache
 def leaf(size=64):
     """A pointed leaf on a transparent ground, for alpha masking (RGBA; does not repeat)."""
     u, v = pixel_grid(size, size)
     inside = np.abs(u - 0.5) < 0.42 * np.sin(np.pi * v) ** 0.8
     vein = np.abs(u - 0.5) < 0.02
     pixels = np.zeros((size, size, 4), np.uint8)
-    pixels[..., :3] = to_srgb(np.where(vein[..., None], (0.18, 0.3, 0.06), (0.05, 0.16, 0.03)) * np.ones((size, size, 1)))
+    pixels[..., :3] = to_srgb(
+        np.where(vein[..., None], (0.18, 0.3, 0.06), (0.05, 0.16, 0.03)) * np.ones((size, size, 1)))
     pixels[..., 3] = inside * 255
     return Texture(pixels)
 
 
-def sky(sun_elevation, sun_azimuth, width=1024, sun_radiance=9000.0, turbidity_tint=(1.0, 0.82, 0.6)):
+def sky(sun_elevation, sun_azimuth, width=1024, sun_radiance=9000.0, haze=(1.0, 0.82, 0.6)):
     """Equirectangular radiance (W/2, W, 3) of a clear sky with a sun and thin clouds; angles in degrees.
 
-    Azimuth 0 is -z, 90 is +x: u = 0.5 + azimuth / 360, as the renderer maps the environment. The sun's disc is drawn
-    with a radius of 1.2 degrees (the real one, 0.27, is below a texel), at a fortieth of its radiance or so.
+    Azimuth 0 is -z, 90 is +x: u = 0.5 + azimuth / 360, as the renderer maps the environment. The sun's disc
+    has a radius of 1.2 degrees (the real one, 0.27, is below a texel), and so a twentieth of its radiance.
     """
     height = width // 2
     u, v = pixel_grid(width, height)
     azimuth, polar = (u - 0.5) * 2 * np.pi, v * np.pi
-    direction = np.stack([np.sin(polar) * np.sin(azimuth), np.cos(polar), -np.sin(polar) * np.cos(azimuth)], -1)
+    direction = np.stack([np.sin(polar) * np.sin(azimuth),
+                          np.cos(polar), -np.sin(polar) * np.cos(azimuth)], -1)
     elevation, bearing = np.radians(sun_elevation), np.radians(sun_azimuth)
-    to_sun = np.array((np.cos(elevation) * np.sin(bearing), np.sin(elevation), -np.cos(elevation) * np.cos(bearing)))
+    to_sun = np.array(
+        (np.cos(elevation) * np.sin(bearing), np.sin(elevation), -np.cos(elevation) * np.cos(bearing)))
     cosine = direction @ to_sun
     up = np.clip(direction[..., 1], 0, 1)
     radiance = mix((0.62, 0.72, 0.85), (0.10, 0.24, 0.62), up ** 0.5)
-    radiance += np.asarray(turbidity_tint) * (0.6 * np.clip(cosine, 0, 1) ** 12 + 2.0 * np.clip(cosine, 0, 1) ** 200)[..., None]
+    glow = 0.6 * np.clip(cosine, 0, 1) ** 12 + 2.0 * np.clip(cosine, 0, 1) ** 200
+    radiance += np.asarray(haze) * glow[..., None]
     clouds = np.clip(noise(width, 6, 12, start=2)[:height] * 2.6 - 1.25, 0, 1) * np.clip(up * 4, 0, 1)
     radiance = radiance * (1 - 0.6 * clouds[..., None]) + 0.75 * clouds[..., None]
     radiance = np.where((direction[..., 1] < 0)[..., None], (0.16, 0.14, 0.12), radiance)
     disc = cosine > np.cos(np.radians(1.2))
-    return np.where(disc[..., None], np.asarray(turbidity_tint) * sun_radiance, radiance)
+    return np.where(disc[..., None], np.asarray(haze) * sun_radiance, radiance)
 
 
 def tile_relief(size=512, count=4, seed=13):
