@@ -112,12 +112,12 @@ vec3 direct_contribution(ShadingPoint p, LightEdge e)
     return f * abs(wi.z) * e.radiance * e.jacobian * transmittance_leaving(p, e.wi, e.distance);
 }
 
-/// Does nothing stand between p and the light point?
-bool is_lit(ShadingPoint p, LightEdge e)
+/// Does nothing stand between the surface point x, of geometric normal n, and the light point at the end of its edge?
+bool is_lit(vec3 x, vec3 n, LightEdge e)
 {
-    vec3 side = dot(p.normal, e.wi) > 0.0 ? p.normal : -p.normal;
-    return e.distance < INFINITE_DISTANCE ? visible(p.position, side, e.position, e.normal)
-                                          : !trace_any(offset_origin(p.position, side), e.wi, RAY_INFINITY);
+    vec3 side = dot(n, e.wi) > 0.0 ? n : -n;
+    return e.distance < INFINITE_DISTANCE ? visible(x, side, e.position, e.normal)
+                                          : !trace_any(offset_origin(x, side), e.wi, RAY_INFINITY);
 }
 
 #endif

@@ -80,10 +80,10 @@ void main()
     Hit hit = HitArray(params.surface).at[pixel];
     LightReservoir r = LightReservoir(LightPoint(0u, 0u, vec2(0.0)), 0.0, 0.0, 0.0);
     if (hit.instance != INVALID_INDEX) {
-        ShadingPoint p = load_domain(hit, false);
-        r = resample_candidates(p, direct_key(at));
+        Domain domain = load_domain(hit, false);
+        r = resample_candidates(domain.point, direct_key(at));
         // An occluded winner is an estimate of 0 from a whole candidate set: its confidence stays.
-        if (r.ucw > 0.0 && !is_lit(p, connect(r.point, p.position, false))) {
+        if (r.ucw > 0.0 && !is_seen(domain, r.point)) {
             r.ucw = 0.0;
             r.confidence = RESTIRPG_FAULT == FAULT_CONFIDENCE ? 0.0 : r.confidence;
         }

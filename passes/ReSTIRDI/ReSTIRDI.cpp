@@ -41,6 +41,7 @@ public:
         io.knob("neighbours", neighbours_, 1, MAX_NEIGHBOURS, "pixels drawn in one round");
         io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines; never below 3 pixels of this one");
         io.choice("mis", mis_, {"pairwise", "balance"}, "weights of spatial reuse: pairwise takes 2 n shadow rays, balance n (n + 1)");
+        io.knob("feedback", feedback_, "the next frame starts from the reservoirs after spatial reuse; off: from those before");
         io.knob("normal_threshold", normalThreshold_, -1, 1, "least cosine between the shading normals of merged pixels");
         io.knob("depth_threshold", depthThreshold_, 0, 1000, "most relative difference of their distances from the camera");
         io.choice("fault", fault_, FAULTS, "for tests only: build this mistake in, the picture is wrong");
@@ -64,19 +65,16 @@ public:
         if (temporalInputs != 0 && temporalInputs != 3)
             fail("ReSTIRDI: temporal reuse needs all of motion, previous_surface and history; wire them all or none");
         ReSTIRDIParameters parameters = parametersOf(frame);
-        // Rounds write alternately into the two buffers, the last one into the output.
-        std::array<Address, 2> buffers = {outputReservoirs(frame), rounds_ > 0 ? scratch(frame, 1) : 0};
-        uint32_t current = rounds_ % 2;
-        parameters.reservoirs = buffers[current];
+        parameters.reservoirs = stageTarget(frame, 0);
         frame.dispatchPixels(candidatesKernel_, parameters);
         if (temporal_ && history_ && !history_.empty)
             frame.dispatchPixels(temporalKernel_, parameters);
         for (parameters.round = 0; parameters.round < rounds_; ++parameters.round) {
-            parameters.source = buffers[current];
-            current ^= 1;
-            parameters.reservoirs = buffers[current];
+            parameters.source = parameters.reservoirs;
+            parameters.reservoirs = stageTarget(frame, parameters.round + 1);
             frame.dispatchPixels(spatialKernel_, parameters);
         }
+        parameters.source = parameters.reservoirs;
         if (radiance_)
             frame.dispatchPixels(shadeKernel_, parameters);
     }
@@ -111,8 +109,16 @@ private:
         return scratch_[index].address();
     }
 
-    /// The output port, or a buffer of the pass's own when nobody reads it.
-    Address outputReservoirs(const Frame& frame) { return reservoirs_ ? reservoirs_->address() : scratch(frame, 0); }
+    /// Where a stage leaves its reservoirs, never where it reads them: stage 0 is candidates and temporal reuse, stage r the r-th
+    /// spatial round. The stage that the next frame starts from ends in the output.
+    Address stageTarget(const Frame& frame, uint32_t stage)
+    {
+        const bool even = (rounds_ - stage) % 2 == 0;
+        const bool handedOn = feedback_ ? even : stage == 0;
+        if (handedOn)
+            return reservoirs_ ? reservoirs_->address() : scratch(frame, 0);
+        return scratch(frame, even ? 2 : 1);
+    }
 
     In<Buffer> surface_, motion_, previousSurface_, history_;
     Out<Buffer> radiance_, reservoirs_;
@@ -123,13 +129,14 @@ private:
     uint32_t rounds_ = 1;
     uint32_t neighbours_ = 5;
     float radius_ = 30;
+    bool feedback_ = true;
     std::string mis_ = "pairwise";
     float normalThreshold_ = 0.5f;
     float depthThreshold_ = 0.1f;
     std::string fault_ = "none";
     Device* device_ = nullptr;
     Kernel candidatesKernel_, temporalKernel_, spatialKernel_, shadeKernel_;
-    std::array<Buffer, 2> scratch_;
+    std::array<Buffer, 3> scratch_;
 };
 
 RESTIRPG_PASS(ReSTIRDI, "Direct light by resampling light points over candidates, frames and neighbouring pixels, without bias")

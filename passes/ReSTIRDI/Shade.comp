@@ -13,10 +13,10 @@ void main()
     if (any(greaterThanEqual(at, frame.c.size)))
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
-    LightReservoir r = LightReservoirArray(params.reservoirs).at[pixel];
+    LightReservoir r = LightReservoirArray(params.source).at[pixel];
     vec3 radiance = vec3(0.0);
     if (r.ucw > 0.0) {
-        ShadingPoint p = load_domain(HitArray(params.surface).at[pixel], false);
+        ShadingPoint p = load_domain(HitArray(params.surface).at[pixel], false).point;
         radiance = r.ucw * direct_contribution(p, connect(r.point, p.position, false));
     }
     Vec3Image(params.radiance).at[pixel] = radiance;

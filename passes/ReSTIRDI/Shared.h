@@ -24,8 +24,8 @@ struct ReSTIRDIParameters {
     Address previousSurface;  ///< Hit a pixel, of the frame before
     Address motion;  ///< vec2 a pixel
     Address history;  ///< LightReservoir a pixel, of the frame before
-    Address source;  ///< LightReservoir a pixel, read by Spatial.comp
-    Address reservoirs;  ///< LightReservoir a pixel, written; Temporal.comp and Shade.comp read it too
+    Address source;  ///< LightReservoir a pixel, read by Spatial.comp and Shade.comp
+    Address reservoirs;  ///< LightReservoir a pixel, written; Temporal.comp reads it too
     Address radiance;  ///< vec3 a pixel
     uint candidates;  ///< light candidates a pixel
     uint bsdfCandidates;

@@ -30,9 +30,17 @@ RandomKey direct_key(uvec2 at)
 /// Holder of a point: neighbour 0 ... count - 1, or the centre.
 const uint CENTRE = MAX_NEIGHBOURS;
 
+/// The surface of a pixel as its own camera saw it, and where that surface stands today.
+struct Domain {
+    ShadingPoint point;  ///< in the domain's frame
+    vec3 position;  ///< today
+    vec3 normal;  ///< geometric, today
+    bool previous;  ///< the domain's frame is the one before this
+};
+
 /// Who takes part in the merge. In private memory, because GLSL passes structs by value.
 struct Merge {
-    ShadingPoint centre;
+    Domain centre;
     LightReservoir own;  ///< the centre's
     uint count;  ///< neighbours
     uint pixel[MAX_NEIGHBOURS];
@@ -45,7 +53,7 @@ struct Merge {
 };
 Merge merge;
 
-void begin_merge(ShadingPoint centre, LightReservoir own)
+void begin_merge(Domain centre, LightReservoir own)
 {
     merge.centre = centre;
     merge.own = own;
@@ -61,13 +69,15 @@ void add_neighbour(uint pixel, float confidence)
     merge.total += confidence;
 }
 
-/// The surface of a pixel, shaded for the camera of its frame.
-ShadingPoint load_domain(Hit hit, bool previous)
+/// The domain of a pixel of this frame or the one before, by its primary hit.
+Domain load_domain(Hit hit, bool previous)
 {
-    Surface s = load_surface(hit, previous);
+    Surface today = load_surface(hit, false);
+    Surface then = previous ? load_surface(hit, true) : today;
     bool before = previous && RESTIRPG_FAULT != FAULT_PREVIOUS_CAMERA;
     vec3 camera = before ? frame.c.previousCamera.position : frame.c.camera.position;
-    return shade_surface(s, normalize(camera - s.position));
+    ShadingPoint point = shade_surface(then, normalize(camera - then.position));
+    return Domain(point, today.position, today.geometric_normal, previous);
 }
 
 /// The edge from a domain's surface point x to a light point.
@@ -81,23 +91,29 @@ LightEdge connect(LightPoint y, vec3 x, bool previous)
     return e;
 }
 
-/// The target of a domain: p^(y) V(y).
-float evaluate_target(ShadingPoint p, LightPoint y, bool previous, bool shadow_ray)
+/// Does nothing stand between the domain's surface and the point? Of the frame before, no acceleration structure is left: the ray
+/// runs between the places where both ends stand today, so that neither hides behind itself.
+bool is_seen(Domain d, LightPoint y)
 {
-    LightEdge e = connect(y, p.position, previous);
-    float target = luminance(direct_contribution(p, e));
-    return target > 0.0 && (!shadow_ray || is_lit(p, e)) ? target : 0.0;
+    return is_lit(d.position, d.normal, connect(y, d.position, false));
+}
+
+/// The target of a domain: p^(y) V(y).
+float evaluate_target(Domain d, LightPoint y, bool shadow_ray)
+{
+    float target = luminance(direct_contribution(d.point, connect(y, d.point.position, d.previous)));
+    return target > 0.0 && (!shadow_ray || is_seen(d, y)) ? target : 0.0;
 }
 
 float target_at_centre(LightPoint y)
 {
-    return evaluate_target(merge.centre, y, false, true);
+    return evaluate_target(merge.centre, y, true);
 }
 
 float target_at_neighbour(uint j, LightPoint y)
 {
-    ShadingPoint p = load_domain(merge.surfaces.at[merge.pixel[j]], merge.previous);
-    return evaluate_target(p, y, merge.previous, RESTIRPG_FAULT != FAULT_VISIBILITY);
+    Domain d = load_domain(merge.surfaces.at[merge.pixel[j]], merge.previous);
+    return evaluate_target(d, y, RESTIRPG_FAULT != FAULT_VISIBILITY);
 }
 
 /// Generalised balance heuristic: confidence times target, over the sum of that of all participants. `own`: the holder's.

@@ -1,0 +1,212 @@
+"""ReSTIR DI is unbiased, whatever is reused, and each mistake that can be built in turns a test red.
+
+Null hypothesis, sample counts and false-alarm rate of the rendered tests: see direct_light.py.
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from direct_light import (
+    FALSE_ALARMS, compare, direct_graph, independent_runs, make_reference, student_quantile, write_every_light,
+    write_open_floor)
+from renderer_scenes import ROOT, SIZE, make_renderer, restirpg, scene, scene_file  # noqa: F401
+
+RUNS = 64
+FRAMES = 8
+REFERENCE_FRAMES = 4096
+# Weights are sums of a few floats; a shadow ray that two participants judge apart would show as 1e-2 or more.
+PARTITION_TOLERANCE = 1e-4
+FAULTS = ["none", "visibility", "cap", "confidence", "light_measure", "previous_camera", "mixture"]
+
+
+@pytest.fixture(scope="module")
+def every_light(tmp_path_factory):
+    """The scene with every kind of light."""
+    return restirpg.load_scene(write_every_light(tmp_path_factory.mktemp("every_light")))
+
+
+@pytest.fixture(scope="module")
+def every_light_reference(every_light):
+    return make_reference(every_light, REFERENCE_FRAMES)
+
+
+@pytest.fixture(scope="module")
+def box_reference(scene):  # noqa: F811
+    return make_reference(scene, REFERENCE_FRAMES)
+
+
+def embedded_scene(name, folder):
+    """One of make_scenes.py's, loaded."""
+    subprocess.run([sys.executable, ROOT / "scripts" / "make_scenes.py", name, "--out", folder], check=True)
+    return restirpg.load_scene(folder / f"{name}.glb")
+
+
+def check(samples, reference):
+    """Every frame of the runs agrees with the reference."""
+    for k, images in samples.items():
+        verdict = compare(images, reference, len(samples))
+        print(f"frame {k}, {len(images)} runs: {verdict}")
+        assert verdict.worst < 1, f"frame {k}: {verdict}"
+
+
+def test_the_mean_is_the_path_tracers_under_every_kind_of_light(every_light, every_light_reference):
+    check(independent_runs(make_renderer(every_light, direct_graph()), RUNS, (1, FRAMES)), every_light_reference)
+
+
+def test_the_mean_is_the_path_tracers_at_shadow_edges(scene, box_reference):  # noqa: F811
+    check(independent_runs(make_renderer(scene, direct_graph()), RUNS, (1, FRAMES)), box_reference)
+
+
+def orbit(renderer, k):
+    """The camera of frame k of a run: a few pixels a frame, nearer and nearer."""
+    renderer.move_camera(position=(0.2 - 0.06 * k, 1.0, 3.4 - 0.03 * k))
+
+
+def test_the_mean_is_the_path_tracers_under_a_moving_camera(every_light):
+    reference = make_reference(every_light, REFERENCE_FRAMES, lambda renderer: orbit(renderer, FRAMES))
+    check(independent_runs(make_renderer(every_light, direct_graph()), RUNS, (FRAMES,), orbit), reference)
+
+
+def swing(renderer, k):
+    """The lamp of frame k of a run: it moves, tilts and grows."""
+    angle = 0.08 * k
+    pose = np.eye(4)
+    pose[:2, :2] = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]) * (1 + 0.02 * k)
+    pose[:3, 3] = (-0.9 + 0.15 * k, 1.5, 0.1 * k)
+    renderer.move_node("Lamp", pose)
+
+
+def test_light_points_follow_a_light_that_moves_turns_and_grows(tmp_path):
+    floor = restirpg.load_scene(write_open_floor(tmp_path))
+    reference = make_reference(floor, REFERENCE_FRAMES // 2, lambda renderer: swing(renderer, FRAMES))
+    check(independent_runs(make_renderer(floor, direct_graph()), RUNS, (FRAMES,), swing), reference)
+
+
+def test_what_is_not_direct_through_rough_lobes_is_the_path_tracers(tmp_path):
+    """O5: with mirrors and smooth glass, ReSTIRDI and the path tracer without direct light share all of it, none twice."""
+    glass = embedded_scene("cornell_glass", tmp_path)
+    check(independent_runs(make_renderer(glass, direct_graph()), RUNS // 2, (2,)), make_reference(glass, REFERENCE_FRAMES // 2))
+
+
+SETTINGS = [
+    {"rounds": 0, "cap": 1}, {"rounds": 0, "cap": 100}, {"rounds": 1, "neighbours": 1, "cap": 20},
+    {"rounds": 2, "neighbours": 3, "cap": 5}, {"rounds": 4, "neighbours": 6, "cap": 20},
+    {"rounds": 1, "neighbours": 6, "cap": 100, "radius": 150.0, "normal_threshold": -1.0, "depth_threshold": 10.0},
+    {"rounds": 2, "neighbours": 3, "cap": 20, "mis": "balance"},
+    {"rounds": 3, "neighbours": 2, "cap": 20, "candidates": 2, "bsdf_candidates": 4, "feedback": False},
+]
+
+
+@pytest.mark.parametrize("settings", SETTINGS, ids=lambda settings: "-".join(f"{k}={v}" for k, v in settings.items()))
+def test_the_mean_does_not_depend_on_what_is_reused(scene, box_reference, settings):  # noqa: F811
+    samples = independent_runs(make_renderer(scene, direct_graph(**settings)), RUNS // 2, (FRAMES,))
+    verdict = compare(samples[FRAMES], box_reference)
+    print(verdict)
+    assert verdict.mean < student_quantile(1 - FALSE_ALARMS / 2 / len(SETTINGS), RUNS // 2 - 1)
+
+
+# The mistake, and settings under which it matters. That of the previous camera is found by the weights' sums below.
+@pytest.mark.parametrize(("fault", "settings"), [
+    ("visibility", {}), ("cap", {}), ("confidence", {}), ("light_measure", {}),
+    ("mixture", {"candidates": 1, "bsdf_candidates": 4, "rounds": 0})])
+def test_a_mistake_shows_in_the_mean(scene, box_reference, fault, settings):  # noqa: F811
+    samples = independent_runs(make_renderer(scene, direct_graph(fault=fault, **settings)), RUNS // 4, (FRAMES,))
+    verdict = compare(samples[FRAMES], box_reference)
+    print(f"{fault}: {verdict}")
+    assert verdict.worst > 1
+
+
+def weight_sums(scene, fault="none", pairwise=True):  # noqa: F811
+    """Farthest from 1 that the MIS weights of a point add up to: temporal, spatial; and how many points were tried."""
+    graph = direct_graph()
+    direct, gbuffer = graph["direct"], graph["gbuffer"]
+    probe = graph.add("probe", "MergeProbe", surface=gbuffer.surface, previous_surface=restirpg.prev("gbuffer.surface"),
+                      motion=gbuffer.motion, reservoirs=direct.reservoirs, history=restirpg.prev("direct.reservoirs"),
+                      pairwise=pairwise, fault=FAULTS.index(fault))
+    graph.output("temporal", probe.temporal)
+    graph.output("spatial", probe.spatial)
+    renderer = make_renderer(scene, graph)
+    worst, tried = np.zeros(2), np.zeros(2)
+    for k in range(1, 5):
+        orbit(renderer, k)
+        renderer.render(1)
+        sums = np.array([renderer.output(name) for name in ("temporal", "spatial")], float)
+        worst = np.maximum(worst, sums[..., 0].max((1, 2)))
+        tried += sums[..., 1].sum((1, 2))
+    print(f"{fault}: weights add up to 1 within {worst}, {tried.astype(int)} points")
+    assert tried.min() > 3 * SIZE[0] * SIZE[1] / 2
+    return worst
+
+
+@pytest.fixture
+def probe_path(monkeypatch):
+    """The folder of the tests' own plugins, beside the python package of the build tree."""
+    monkeypatch.setenv("RESTIRPG_PLUGIN_PATH", str(Path(restirpg.__file__).parents[2] / "tests" / "passes"))
+
+
+@pytest.mark.parametrize("pairwise", [True, False])
+def test_the_weights_of_every_point_add_up_to_one(probe_path, every_light, pairwise):
+    assert weight_sums(every_light, pairwise=pairwise).max() < PARTITION_TOLERANCE
+
+
+@pytest.mark.parametrize("fault", ["visibility", "cap", "previous_camera"])
+def test_a_mistake_breaks_the_weights_sum(probe_path, every_light, fault):
+    assert weight_sums(every_light, fault).max() > 100 * PARTITION_TOLERANCE
+
+
+def test_reuse_lowers_the_error(scene, box_reference):  # noqa: F811
+    def errors(**settings):
+        samples = independent_runs(make_renderer(scene, direct_graph(**settings)), 8, (1, FRAMES))
+        return [((images - box_reference.mean) ** 2).mean() for images in samples.values()]
+    (alone, temporal), (spatial, _) = errors(rounds=0), errors()
+    print(f"mean squared error: no reuse {alone:.1e}, spatial {spatial:.1e}, temporal {temporal:.1e}")
+    assert spatial < 0.8 * alone and temporal < 0.4 * alone
+
+
+def test_the_same_seed_gives_the_same_bytes(every_light):
+    images = []
+    for seed in (3, 3, 4):
+        renderer = make_renderer(every_light, direct_graph(), seed=seed)
+        renderer.render(4)
+        images.append(renderer.output("radiance").tobytes())
+    assert images[0] == images[1] != images[2]
+
+
+def test_an_animated_scene_stays_finite_and_not_negative(tmp_path):
+    door = embedded_scene("door_ajar_animated", tmp_path)
+    renderer = make_renderer(door, direct_graph(), fps=24)
+    total = 0
+    for _ in range(120):
+        renderer.render(1)
+        image = renderer.output("radiance")
+        assert np.isfinite(image).all() and image.min() >= 0
+        total += image.mean()
+    assert total > 0
+
+
+@pytest.mark.parametrize("missing", ["motion", "previous_surface", "history"])
+def test_half_a_history_is_refused(scene, missing):  # noqa: F811
+    graph = restirpg.Graph("Half a history")
+    gbuffer = graph.add("gbuffer", "GBuffer")
+    inputs = {"motion": gbuffer.motion, "previous_surface": restirpg.prev("gbuffer.surface"),
+              "history": restirpg.prev("direct.reservoirs")}
+    del inputs[missing]
+    direct = graph.add("direct", "ReSTIRDI", surface=gbuffer.surface, **inputs)
+    graph.output("image", direct.radiance)
+    with pytest.raises(restirpg.Error, match="wire them all or none"):
+        make_renderer(scene, graph).render(1)
+
+
+def test_without_history_each_frame_stands_alone(scene):  # noqa: F811
+    graph = restirpg.Graph("No history")
+    gbuffer = graph.add("gbuffer", "GBuffer")
+    direct = graph.add("direct", "ReSTIRDI", surface=gbuffer.surface)
+    graph.output("radiance", direct.radiance)
+    alone = make_renderer(scene, graph)
+    wired = make_renderer(scene, direct_graph(temporal=False))
+    for renderer in (alone, wired):
+        renderer.render(3)
+    assert alone.output("radiance").tobytes() == wired.output("radiance").tobytes()
