@@ -143,7 +143,9 @@ def _method(label, runs, truth, noise, common):
         equal_time={},
         bias=st.welch(pictures.mean(axis=(1, 2, 3)) / scale, truth["batch_means"] / scale),
         block_p=(
-            st.welch_p_values(st.block_means(brightness), truth["batch_blocks"]) if several else np.array([])
+            st.block_bias_p_values(st.block_means(brightness), truth["batch_blocks"])
+            if several
+            else np.array([])
         ),
         spatial_image=st.block_correlation(brightness),
         spatial_frame=st.block_correlation(frames),

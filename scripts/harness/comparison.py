@@ -231,7 +231,9 @@ class Comparison:
                     f"{label}: {invalid} pixels of its runs are NaN or infinite and left out of every mean"
                 )
             if dropped := sum(result["meta"]["dropped"] for result in by_seed):
-                warnings.append(f"{label}: {dropped} samples were NaN or infinite and dropped from the picture")
+                warnings.append(
+                    f"{label}: {dropped} samples were NaN or infinite and left out of its pictures"
+                )
         return SceneRuns(plan["scene"], truth, runs, descriptions, warnings)
 
 

@@ -49,7 +49,7 @@ def _curve(axes, x, values, colour, label):
 
 def _frame_axis(axes):
     axes.set_xscale("log", base=2)
-    axes.xaxis.set_major_formatter(matplotlib.ticker.ScalarFormatter())
+    axes.xaxis.set_major_formatter(matplotlib.ticker.StrMethodFormatter("{x:g}"))
     axes.set_xlabel("frames")
 
 

@@ -24,7 +24,8 @@ KINDS = {"image": "picture (first seed)", "mean": "mean of all seeds", "frame": 
 
 def _half(image):
     """A float image as base64 of half floats, row by row, three channels; clipped to what a half can hold."""
-    return base64.b64encode(np.clip(np.nan_to_num(image, nan=0), -65504, 65504).astype("<f2").tobytes()).decode()
+    halves = np.clip(np.nan_to_num(image, nan=0), -65504, 65504).astype("<f2")
+    return base64.b64encode(halves.tobytes()).decode()
 
 
 def _kinds_within_budget(findings):

@@ -70,14 +70,23 @@ def welch(a, b):
     return _t_test(a.mean() - b.mean(), np.sqrt(va + vb), dof)
 
 
-def welch_p_values(a, b):
-    """As welch, elementwise over trailing axes, p-values only; b of one row is exact."""
-    a, b = np.asarray(a, float), np.asarray(b, float)
-    va, na = a.var(axis=0, ddof=1) / len(a), len(a) - 1
-    vb, nb = (b.var(axis=0, ddof=1) / len(b), len(b) - 1) if len(b) > 1 else (np.zeros_like(va), 1)
+def block_bias_p_values(runs, reference):
+    """p-value of each block's bias: Welch's test, guarded against tails that no run has sampled yet.
+
+    runs: (runs, blocks...), at least 2; reference: (batches, blocks...), one row is exact. In a block that rare
+    bright samples have missed in every run, the runs agree about a value that is far too dark. The variance of a
+    block is therefore never taken for less than the mean relative variance of all blocks says.
+    """
+    runs, reference = np.asarray(runs, float), np.asarray(reference, float)
+    truth = reference.mean(axis=0)
+    own = runs.var(axis=0, ddof=1) / len(runs)
+    lit = truth > 0
+    floor = np.mean(own[lit] / truth[lit] ** 2) * truth**2 if lit.any() else np.zeros_like(truth)
+    own = np.maximum(own, floor)
+    other = reference.var(axis=0, ddof=1) / len(reference) if len(reference) > 1 else np.zeros_like(own)
     with np.errstate(divide="ignore", invalid="ignore"):
-        dof = (va + vb) ** 2 / (va**2 / na + vb**2 / nb)
-        t = np.abs(a.mean(axis=0) - b.mean(axis=0)) / np.sqrt(va + vb)
+        dof = (own + other) ** 2 / (own**2 / (len(runs) - 1) + other**2 / max(len(reference) - 1, 1))
+        t = np.abs(runs.mean(axis=0) - truth) / np.sqrt(own + other)
     p = 2 * stats.t.sf(t, np.nan_to_num(dof, nan=1))
     return np.where(np.isnan(t), 1.0, p)  # no spread and no difference: a block that is black in every run
 

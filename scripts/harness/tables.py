@@ -45,7 +45,7 @@ def verdict(method, baseline, metric, mode):
         return f"{ratio}not tested"
     if p >= st.LEVEL:
         return f"{ratio}not different (p = {p:.2g})"
-    return f"{ratio}{'lower' if method.against[kind].difference < 0 else 'higher'} (p = {max(p, 1e-99):.1g})"
+    return f"{ratio}{'lower' if method.against[kind].difference < 0 else 'higher'} (p = {max(p, 1e-99):.2g})"
 
 
 def is_significant(text):
@@ -58,7 +58,7 @@ def bias_verdict(method):
     p = method.adjusted["bias"]
     if math.isnan(p):
         return "not tested"
-    return f"{'biased' if p < st.LEVEL else 'none found'} (p = {max(p, 1e-99):.1g})"
+    return f"{'biased' if p < st.LEVEL else 'none found'} (p = {max(p, 1e-99):.2g})"
 
 
 def block_cell(method):
@@ -69,7 +69,7 @@ def block_cell(method):
     if p >= st.LEVEL:
         return f"none of {method.block_p.size} (p = {p:.2g})"
     count = int((method.block_p * method.block_p.size < st.LEVEL).sum())
-    return f"{count} of {method.block_p.size} biased (p = {max(p, 1e-99):.1g})"
+    return f"{count} of {method.block_p.size} biased (p = {max(p, 1e-99):.2g})"
 
 
 def equal_tables(scene):
