@@ -10,7 +10,7 @@ import numpy as np
 
 from .implicit import capsule_chain, mesh_isosurface, revolved, smooth_union
 from .shapes import (Mesh, bezier, copies, cylinder, icosphere, join, lathe, quad, rounded_box, surface,
-                     tube)
+                     tube, unit)
 
 
 def rounded_outline(points, passes=2):
@@ -300,3 +300,20 @@ def disc(radius, segments=32):
     return Mesh(np.concatenate([[(0, 0, 0)], rim]), np.tile((0.0, 1.0, 0.0), (segments + 1, 1)),
                 np.zeros((segments + 1, 2)),
                 np.stack([np.zeros(segments, int), 1 + k, 1 + (k + 1) % segments], -1))
+
+
+def trefoil_knot(size=0.075, radius=0.032):
+    """A trefoil knot as one closed tube about the origin."""
+    def center(u):
+        a = 2 * math.pi * u
+        x, y = np.sin(a) + 2 * np.sin(2 * a), np.cos(a) - 2 * np.cos(2 * a)
+        return size * np.stack([x, y, -np.sin(3 * a)], -1)
+
+    def point(u, v):
+        tangent = unit(center(u + 1e-3) - center(u - 1e-3))
+        x = unit(np.cross(tangent, (0.0, 0.0, 1.0)))
+        y = np.cross(x, tangent)
+        b = 2 * math.pi * v
+        return center(u) + radius * (x * np.cos(b)[..., None] + y * np.sin(b)[..., None])
+
+    return surface(point, 220, 24, wrap_u=True, wrap_v=True)

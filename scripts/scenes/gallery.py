@@ -1,7 +1,5 @@
 """Glossy metal and glass of several roughnesses under area lights, a textured emitter and a spot light."""
 
-import math
-
 import numpy as np
 
 from . import furniture, shapes, textures
@@ -74,29 +72,13 @@ def _exhibits(scene):
     scene.add("GlassVase",
               (furniture.vase(0.55), glass("BlueGlass", tint=(0.35, 0.65, 0.92), tint_distance=0.05)),
               at=(0.0, PLINTH + 0.0005, -0.22))
-    scene.add("Knot", (_trefoil(), metal("BrushedSteel", steel, 0.2)), at=(0.86, PLINTH + 0.245, -0.22))
+    scene.add("Knot", (furniture.trefoil_knot(), metal("BrushedSteel", steel, 0.2)),
+              at=(0.86, PLINTH + 0.245, -0.22))
     brushed = Material("Brushed", gold, roughness=1.0, metallic=1.0, roughness_texture=textures.brushed())
     scene.add("BrushedBox", (shapes.rounded_box((-0.11, 0, -0.11),
                                                 (0.11, 0.22, 0.11), 0.012, 3).with_uvs(3.0), brushed),
               at=(-1.22, PLINTH + 0.0005, -0.2),
               turn=rotation((0, 1, 0), 30))
-
-
-def _trefoil(size=0.075, radius=0.032):
-    """A trefoil knot as one closed tube about the origin."""
-    def center(u):
-        a = 2 * math.pi * u
-        return size * np.stack([np.sin(a) + 2 * np.sin(2 * a),
-                                np.cos(a) - 2 * np.cos(2 * a), -np.sin(3 * a)], -1)
-
-    def point(u, v):
-        tangent = shapes.unit(center(u + 1e-3) - center(u - 1e-3))
-        x = shapes.unit(np.cross(tangent, (0.0, 0.0, 1.0)))
-        y = np.cross(x, tangent)
-        b = 2 * math.pi * v
-        return center(u) + radius * (x * np.cos(b)[..., None] + y * np.sin(b)[..., None])
-
-    return shapes.surface(point, 220, 24, wrap_u=True, wrap_v=True)
 
 
 def glossy_glass():

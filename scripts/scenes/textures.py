@@ -121,6 +121,32 @@ def plaster(color, seed=6, size=512, contrast=0.12):
 
 
 @functools.cache
+def marble(dark, light, seed, size=512):
+    """Polished stone: bands of colour bent by turbulence, with pale veins."""
+    u, v = pixel_grid(size, size)
+    warp = noise(size, 6, seed, start=2)
+    bands = 0.5 + 0.5 * np.sin(2 * np.pi * (2 * u + v) + 9 * warp)
+    veins = sum(np.clip(1 - 40 * np.abs(noise(size, 6, seed + k, start=k) - 0.5), 0, 1)
+                for k in (2, 3, 5)) / 2
+    colors = mix(dark, light, bands * (0.4 + 0.6 * noise(size, 6, seed + 2)))
+    return Texture(to_srgb(colors + 0.25 * veins[..., None]))
+
+
+@functools.cache
+def curtained_window(seed, size=128):
+    """The glow of a room behind half-drawn curtains (does not repeat)."""
+    random = np.random.default_rng(seed)
+    u, v = pixel_grid(size, size)
+    opening = 0.20 + 0.25 * random.random()
+    folds = 0.45 + 0.15 * np.sin(2 * np.pi * (9 * u + 0.4 * np.sin(5 * v + 6 * random.random())))
+    drawn = np.abs(u - 0.5) > opening + 0.05 * np.sin(3 * v)
+    ceiling = 0.55 + 0.45 * np.exp(-((u - random.random()) ** 2 + (v - 0.15) ** 2) / 0.08)
+    furniture = (v > 0.72) & (np.abs(u - random.random()) < 0.22)
+    glow = np.where(drawn, 0.6 * folds, ceiling * np.where(furniture, 0.25, 1.0))
+    return Texture(to_srgb(glow[..., None] * np.where(drawn[..., None], (1.0, 0.7, 0.5), 1.0)))
+
+
+@functools.cache
 def woven(color, seed=7, size=256):
     """A coarse fabric: alternating warp and weft."""
     u, v = pixel_grid(size, size)
