@@ -1,5 +1,5 @@
-// Points of lights as ReSTIR DI resamples them. Each lives in its light's own measure (see LightPoint): a point that is handed to
-// another pixel, or moves with its light, keeps that measure, so no shift has a Jacobian.
+// Points of lights as ReSTIR DI resamples them. Each lives in its light's own measure (see LightPoint): a point that is
+// handed to another pixel, or moves with its light, keeps that measure, so no shift has a Jacobian.
 #ifndef RESTIRPG_LIGHT_RESERVOIR_GLSL
 #define RESTIRPG_LIGHT_RESERVOIR_GLSL
 
@@ -72,7 +72,8 @@ bool sample_light_point(vec4 u, out LightPoint point)
 LightEdge edge_to_triangle(LightPoint point, vec3 x, bool previous)
 {
     Instance placed = InstanceArray(SCENE.instances).at[point.instance];
-    WorldTriangle t = place_triangle(placed, point.index, previous ? placed.previousObjectToWorld : placed.objectToWorld);
+    mat4x3 pose = previous ? placed.previousObjectToWorld : placed.objectToWorld;
+    WorldTriangle t = place_triangle(placed, point.index, pose);
     LightEdge e;
     e.position = t.p0 + point.place.x * t.edge1 + point.place.y * t.edge2;
     vec3 d = e.position - x;
@@ -89,7 +90,8 @@ LightEdge edge_to_triangle(LightPoint point, vec3 x, bool previous)
     return e;
 }
 
-/// The light point seen from x. With `previous`, triangles stand where they stood in the frame before; x is the caller's.
+/// The light point seen from x. With `previous`, triangles stand where they stood in the frame before; x is the
+/// caller's.
 LightEdge edge_to_light(LightPoint point, vec3 x, bool previous)
 {
     if (point.instance != INVALID_INDEX)
@@ -97,12 +99,14 @@ LightEdge edge_to_light(LightPoint point, vec3 x, bool previous)
     Light light = LightArray(SCENE.lights).at[point.index];
     LightSample s = light.type == LIGHT_ENVIRONMENT ? connect_environment(decode_octahedral(point.place))
                                                     : connect_punctual_light(point.index, light, x);
-    // A texel of the environment that sampling never takes can still be found by scattering; a light at x itself cannot.
+    // A texel of the environment that sampling never takes can still be found by scattering; a light at x itself
+    // cannot.
     float jacobian = s.delta && s.pdf <= 0.0 ? 0.0 : 1.0;
     return LightEdge(s.wi, s.distance, s.position, s.normal, s.radiance, jacobian, s.pdf, s.delta);
 }
 
-/// Light that the edge sends to the camera by way of p's rough lobes, per unit of the point's measure; visibility not tested.
+/// Light that the edge sends to the camera by way of p's rough lobes, per unit of the point's measure; visibility not
+/// tested.
 vec3 direct_contribution(ShadingPoint p, LightEdge e)
 {
     vec3 wi = to_local(p.local_frame, e.wi);

@@ -17,7 +17,7 @@ struct LightPoint {
 /// One light point chosen by resampling, as the pixel sees it. All zero: empty. 28 bytes.
 struct LightReservoir {
     LightPoint point;
-    float ucw;  ///< unbiased contribution weight W, an estimate of 1 / density in the point's measure; 0: carries no light
+    float ucw;  ///< unbiased contribution weight W: about 1 / density in the point's measure; 0: no light
     float confidence;  ///< M: how many candidate sets stand behind it
     float target;  ///< luminance of the light that the point sends to the camera by way of this pixel's surface; lit
 };

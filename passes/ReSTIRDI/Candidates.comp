@@ -1,5 +1,6 @@
-// The pixel's own candidates: points sampled on lights and points that scattering finds, resampled to one by the light they would
-// send without occlusion; then one shadow ray.  [Bitterli et al. 2020, algorithm 3; the mixture's density: ALGORITHMS 7.2]
+// The pixel's own candidates: points sampled on lights and points that scattering finds, resampled to one by the light
+// they would send without occlusion; then one shadow ray.  [Bitterli et al. 2020, algorithm 3; the mixture's density:
+// ALGORITHMS 7.2]
 #version 460
 #include "prelude.glsl"
 #include "merge.glsl"
@@ -57,8 +58,10 @@ LightReservoir resample_candidates(ShadingPoint p, RandomKey key)
         float target = luminance(direct_contribution(p, e));
         if (target <= 0.0)
             continue;
-        // The balance heuristic over both techniques, each as often as it is drawn: a technique that fails counts all the same.
-        float pdf = float(params.candidates) * e.light_pdf + float(params.bsdfCandidates) * scatter_pdf(p, e, rough) * e.jacobian;
+        // The balance heuristic over both techniques, each as often as it is drawn: a technique that fails counts all
+        // the same.
+        float pdf = float(params.candidates) * e.light_pdf +
+                    float(params.bsdfCandidates) * scatter_pdf(p, e, rough) * e.jacobian;
         float weight = target / pdf;
         sum += weight;
         if (random1(key, i, RANDOM_RESAMPLING) * sum < weight) {

@@ -10,7 +10,8 @@ static_assert(sizeof(LightReservoir) == 28);
 
 namespace {
 
-/// Fewest pixels of the radius of spatial reuse, whatever the size of the image: below, no neighbours would be left (ALGORITHMS O10).
+/// Fewest pixels of the radius of spatial reuse, whatever the size of the image: below, no neighbours would be left
+/// (ALGORITHMS O10).
 constexpr float LEAST_RADIUS = 3.0f;
 /// Lines of the image for which the knob `radius` is in pixels.
 constexpr float RADIUS_LINES = 1080.0f;
@@ -26,10 +27,12 @@ public:
     {
         const PortType reservoir = perPixel<LightReservoir>("LightReservoir");
         io.input("surface", surface_, perPixel<Hit>("Surface"), "primary hit of each pixel, through its centre");
-        io.optionalInput("motion", motion_, image(2), "where the point was in the frame before, minus where it is, in pixels");
+        io.optionalInput("motion", motion_, image(2),
+                         "where the point was in the frame before, minus where it is, in pixels");
         io.optionalInput("previous_surface", previousSurface_, perPixel<Hit>("Surface"),
                          "the surface one frame ago: prev(\"gbuffer.surface\")");
-        io.optionalInput("history", history_, reservoir, "the output reservoirs, one frame ago: prev(\"direct.reservoirs\")");
+        io.optionalInput("history", history_, reservoir,
+                         "the output reservoirs, one frame ago: prev(\"direct.reservoirs\")");
         io.output("radiance", radiance_, image(3),
                   "direct light scattered to the camera through lobes that are not deltas, W/sr/m^2");
         io.output("reservoirs", reservoirs_, reservoir, "the light point that each pixel ends the frame with");
@@ -39,11 +42,16 @@ public:
         io.knob("cap", cap_, 1, 1000, "confidence of the history, at most, in candidate sets");
         io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
         io.knob("neighbours", neighbours_, 1, MAX_NEIGHBOURS, "pixels drawn in one round");
-        io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines; never below 3 pixels of this one");
-        io.choice("mis", mis_, {"pairwise", "balance"}, "weights of spatial reuse: pairwise takes 2 n shadow rays, balance n (n + 1)");
-        io.knob("feedback", feedback_, "the next frame starts from the reservoirs after spatial reuse; off: from those before");
-        io.knob("normal_threshold", normalThreshold_, -1, 1, "least cosine between the shading normals of merged pixels");
-        io.knob("depth_threshold", depthThreshold_, 0, 1000, "most relative difference of their distances from the camera");
+        io.knob("radius", radius_, 1, 1000,
+                "of the disk of neighbours, in pixels of an image of 1080 lines; never below 3 pixels of this one");
+        io.choice("mis", mis_, {"pairwise", "balance"},
+                  "weights of spatial reuse: pairwise takes 2 n shadow rays, balance n (n + 1)");
+        io.knob("feedback", feedback_,
+                "the next frame starts from the reservoirs after spatial reuse; off: from those before");
+        io.knob("normal_threshold", normalThreshold_, -1, 1,
+                "least cosine between the shading normals of merged pixels");
+        io.knob("depth_threshold", depthThreshold_, 0, 1000,
+                "most relative difference of their distances from the camera");
         io.choice("fault", fault_, FAULTS, "for tests only: build this mistake in, the picture is wrong");
         io.structural();
     }
@@ -109,8 +117,8 @@ private:
         return scratch_[index].address();
     }
 
-    /// Where a stage leaves its reservoirs, never where it reads them: stage 0 is candidates and temporal reuse, stage r the r-th
-    /// spatial round. The stage that the next frame starts from ends in the output.
+    /// Where a stage leaves its reservoirs, never where it reads them: stage 0 is candidates and temporal reuse, stage
+    /// r the r-th spatial round. The stage that the next frame starts from ends in the output.
     Address stageTarget(const Frame& frame, uint32_t stage)
     {
         const bool even = (rounds_ - stage) % 2 == 0;
@@ -139,6 +147,7 @@ private:
     std::array<Buffer, 3> scratch_;
 };
 
-RESTIRPG_PASS(ReSTIRDI, "Direct light by resampling light points over candidates, frames and neighbouring pixels, without bias")
+RESTIRPG_PASS(ReSTIRDI,
+              "Direct light by resampling light points over candidates, frames and neighbouring pixels, without bias")
 
 }  // namespace restirpg

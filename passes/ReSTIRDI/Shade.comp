@@ -1,4 +1,5 @@
-// The light that each reservoir's point sends to the camera. Every merge has seen the point lit from this pixel: no ray is needed.
+// The light that each reservoir's point sends to the camera. Every merge has seen the point lit from this pixel: no ray
+// is needed.
 #version 460
 #include "prelude.glsl"
 #include "merge.glsl"

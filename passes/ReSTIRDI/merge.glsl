@@ -1,9 +1,10 @@
-// Merging reservoirs of several pixels into one: generalised resampled importance sampling with light points that are shared as
-// they are.  [Lin et al. 2022, "Generalized Resampled Importance Sampling"; MIS weights: ALGORITHMS 6.7]
+// Merging reservoirs of several pixels into one: generalised resampled importance sampling with light points that are
+// shared as they are.  [Lin et al. 2022, "Generalized Resampled Importance Sampling"; MIS weights: ALGORITHMS 6.7]
 //
-// The participants are the centre (the pixel itself) and its neighbours (other pixels of this frame, or one of the frame before). A
-// participant's domain is its surface as its own camera sees it; its target is the luminance that a point sends to the camera
-// there, shadow ray included. Which pixels take part depends on the G-buffer alone, never on what their reservoirs hold.
+// The participants are the centre (the pixel itself) and its neighbours (other pixels of this frame, or one of the
+// frame before). A participant's domain is its surface as its own camera sees it; its target is the luminance that a
+// point sends to the camera there, shadow ray included. Which pixels take part depends on the G-buffer alone, never on
+// what their reservoirs hold.
 #ifndef RESTIRPG_RESTIR_DI_MERGE_GLSL
 #define RESTIRPG_RESTIR_DI_MERGE_GLSL
 
@@ -91,8 +92,8 @@ LightEdge connect(LightPoint y, vec3 x, bool previous)
     return e;
 }
 
-/// Does nothing stand between the domain's surface and the point? Of the frame before, no acceleration structure is left: the ray
-/// runs between the places where both ends stand today, so that neither hides behind itself.
+/// Does nothing stand between the domain's surface and the point? Of the frame before, no acceleration structure is
+/// left: the ray runs between the places where both ends stand today, so that neither hides behind itself.
 bool is_seen(Domain d, LightPoint y)
 {
     return is_lit(d.position, d.normal, connect(y, d.position, false));
@@ -116,7 +117,8 @@ float target_at_neighbour(uint j, LightPoint y)
     return evaluate_target(d, y, RESTIRPG_FAULT != FAULT_VISIBILITY);
 }
 
-/// Generalised balance heuristic: confidence times target, over the sum of that of all participants. `own`: the holder's.
+/// Generalised balance heuristic: confidence times target, over the sum of that of all participants. `own`: the
+/// holder's.
 float balance_weight(float own, float here, uint holder, LightPoint y)
 {
     float sum = own;
@@ -145,7 +147,8 @@ float neighbour_weight(uint j, LightPoint y, float there, float here)
     return balance_weight(confidence * there, here, j, y);
 }
 
-/// MIS weight of the centre for its point y, of target `here` (> 0). Pairwise: its own part, and what each neighbour leaves to it.
+/// MIS weight of the centre for its point y, of target `here` (> 0). Pairwise: its own part, and what each neighbour
+/// leaves to it.
 float centre_weight(LightPoint y, float here)
 {
     if (!merge.pairwise)

@@ -8,6 +8,7 @@
 #include "../../passes/ErrorMeasure/Shared.h"
 #include "../../passes/GBuffer/Shared.h"
 #include "../../passes/PathTracerGuided/Shared.h"
+#include "../../passes/ReSTIRDI/Shared.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -84,6 +85,10 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(GBufferParameters, frame, surface, emission, normal, geometricNormal, albedo, depth, motion, material,
            jitter),
     LAYOUT(PathTracerParameters, frame, surface, radiance, guide, bounces, nextEventEstimation, direct, alpha),
+    LAYOUT(LightPoint, instance, index, place),
+    LAYOUT(LightReservoir, point, ucw, confidence, target),
+    LAYOUT(ReSTIRDIParameters, frame, surface, previousSurface, motion, history, source, reservoirs, radiance,
+           candidates, bsdfCandidates, round, neighbours, pairwise, cap, radius, normalThreshold, depthThreshold),
 };
 
 /// A kernel that reads an array of each struct through a device address.
@@ -97,7 +102,7 @@ std::string kernelText()
         uses += fmt::format("    {0}Array(address).at[0] = {0}Array(address).at[1];\n", layout.name);
     }
     std::string includes = "#include \"prelude.glsl\"\n#include \"double_single_types.h\"\n";
-    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "PathTracerGuided"})
+    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "PathTracerGuided", "ReSTIRDI"})
         includes += fmt::format("#include \"{}/passes/{}/Shared.h\"\n", RESTIRPG_SOURCE, pass);
     return "#version 460\n" + includes +
            "layout(local_size_x = 1) in;\nlayout(push_constant) uniform Push { Address address; };\n" + declarations +

@@ -1,10 +1,11 @@
-"""What the tests of ReSTIR DI share: a scene with every kind of light, independent runs, and z-tests against the path tracer.
+"""What the tests of ReSTIR DI share: scenes of lights, independent runs, and z-tests against the path tracer.
 
-Statistics. A run is a few frames that begin without history (the knob `temporal` is off for the first one), so that
-runs are independent; frame k of each run is one sample. Null hypothesis: the mean over runs of every 4 x 4 block of
-pixels is the path tracer's. |z| of a block is compared with the two-sided quantile of Student's t at a false-alarm rate
-of 1% for the whole test (Bonferroni over blocks and values of k). Block means of 16 pixels and 64 runs are close to
-normal; random numbers are hashes of pixel, frame and seed, so no two runs share any.
+Statistics. A run is a few frames that begin without history (the knob `temporal` is off for the first one),
+so that runs are independent; frame k of each run is one sample. Null hypothesis: the mean over runs of every
+4 x 4 block of pixels is the path tracer's. |z| of a block is compared with the two-sided quantile of
+Student's t at a false-alarm rate of 1% for the whole test (Bonferroni over blocks and values of k). Block
+means of 16 pixels and 64 runs are close to normal; random numbers are hashes of pixel, frame and seed, so no
+two runs share any.
 """
 
 import sys
@@ -47,10 +48,13 @@ def write_every_light(folder):
                     emission_texture=Texture(np.repeat(squares[..., None], 3, axis=2)))
     scene.add("Floor", (shapes.quad((-2, 0, 2), (4, 0, 0), (0, 0, -4)), gloss))
     scene.add("Wall", (shapes.quad((-2, 0, -1.2), (4, 0, 0), (0, 2.5, 0)), lambert("White", (0.7, 0.7, 0.7))))
-    scene.add("Box", (shapes.box((-0.3, 0, -0.3), (0.3, 0.9, 0.3)).turned("y", 30).moved(-0.5), lambert("Clay", (0.6, 0.3, 0.2))))
-    scene.add("Slab", (shapes.box((0.3, 0, 0.2), (1.1, 0.9, 0.3)), glass("Frost", roughness=0.4, tint=(0.6, 0.9, 0.7), tint_distance=0.1)))
+    box = shapes.box((-0.3, 0, -0.3), (0.3, 0.9, 0.3)).turned("y", 30).moved(-0.5)
+    scene.add("Box", (box, lambert("Clay", (0.6, 0.3, 0.2))))
+    frost = glass("Frost", roughness=0.4, tint=(0.6, 0.9, 0.7), tint_distance=0.1)
+    scene.add("Slab", (shapes.box((0.3, 0, 0.2), (1.1, 0.9, 0.3)), frost))
     scene.add("Panel", (shapes.quad((-0.25, -0.25, 0), (0.5, 0, 0), (0, 0.5, 0)), panel), at=(0.9, 0.8, -0.5))
-    scene.add("Strip", (shapes.quad((-1.3, 1.9, -0.3), (0.2, 0, 0), (0, 0, 0.6)), emitter("Strip", (5.0, 6.0, 9.0))))
+    strip = shapes.quad((-1.3, 1.9, -0.3), (0.2, 0, 0), (0, 0, 0.6))
+    scene.add("Strip", (strip, emitter("Strip", (5.0, 6.0, 9.0))))
     scene.add_spot("Spot", (1.2, 2.0, 1.0), (0.2, 0.0, 0.0), (2.0, 3.0, 2.0))
     scene.add_punctual("point", (-1.2, 0.7, 0.8), (0, 0, 0), (0.3, 0.2, 0.2))
     scene.add_punctual("directional", (2.0, 3.0, 2.0), (0, 0, 0), (0.3, 0.3, 0.5))
@@ -61,9 +65,10 @@ def write_every_light(folder):
 def write_open_floor(folder):
     """A floor and a light that hides nothing from anything: visibility is 1 wherever the light goes."""
     scene = SceneFile("open_floor", 0)
-    scene.add("Floor", (shapes.quad((-3, 0, 3), (6, 0, 0), (0, 0, -6)), Material("Gloss", (0.6, 0.5, 0.4), roughness=0.5)))
-    scene.add("Lamp", (shapes.quad((-0.4, 0, -0.4), (0.8, 0, 0), (0, 0, 0.8)), emitter("Lamp", (9.0, 8.0, 7.0))),
-              at=(0, 1.6, 0))
+    gloss = Material("Gloss", (0.6, 0.5, 0.4), roughness=0.5)
+    scene.add("Floor", (shapes.quad((-3, 0, 3), (6, 0, 0), (0, 0, -6)), gloss))
+    lamp = shapes.quad((-0.4, 0, -0.4), (0.8, 0, 0), (0, 0, 0.8))
+    scene.add("Lamp", (lamp, emitter("Lamp", (9.0, 8.0, 7.0))), at=(0, 1.6, 0))
     scene.add_camera((0.0, 1.1, 3.4), (0.0, 0.2, 0), 36.0)
     return scene.write(folder)
 
@@ -81,19 +86,20 @@ def direct_graph(**knobs):
 
 @dataclass
 class Reference:
-    """The path tracer's direct light through lobes that are not deltas, and the variance of its luminance's error."""
+    """The path tracer's direct light through lobes that are not deltas."""
 
     mean: np.ndarray  # (H, W), luminance
-    variance: np.ndarray  # (H, W)
+    variance: np.ndarray  # (H, W), of the error of `mean`
 
 
 def make_reference(scene, frames, prepare=None, seed=99):
-    """Direct light by NEE and BSDF sampling. `prepare` moves the renderer's camera or nodes before the first frame."""
+    """Direct light by NEE and BSDF sampling. `prepare`(renderer) may move the camera or nodes."""
     graph = restirpg.Graph("Direct light by path tracing")
     gbuffer = graph.add("gbuffer", "GBuffer", jitter=False)
     for name, direct in (("all", True), ("delta", False)):
         paths = graph.add(name, "PathTracerGuided", surface=gbuffer.surface, direct=direct)
-        mean = graph.add(f"mean_{name}", "Accumulate", indirect=paths.radiance, history=restirpg.prev(f"mean_{name}.sums"))
+        mean = graph.add(f"mean_{name}", "Accumulate", indirect=paths.radiance,
+                         history=restirpg.prev(f"mean_{name}.sums"))
         graph.output(f"{name}_mean", mean.mean)
         graph.output(f"{name}_variance", mean.variance)
     renderer = make_renderer(scene, graph, seed=seed)
@@ -108,7 +114,10 @@ def make_reference(scene, frames, prepare=None, seed=99):
 
 
 def independent_runs(renderer, runs, frames, before_frame=None):
-    """Luminance of the given frames (counted from 1) of each run: {k: (runs, H, W)}. `before_frame`(renderer, k) moves things."""
+    """Luminance of the given frames (counted from 1) of each run: {k: (runs, H, W)}.
+
+    `before_frame`(renderer, k) may move the camera or nodes.
+    """
     samples = {k: [] for k in frames}
     for _ in range(runs):
         for k in range(1, max(frames) + 1):
@@ -143,11 +152,12 @@ class Verdict:
     detectable: float  # smallest relative bias of the image mean that a z of 3 would show
 
     def __str__(self):
-        return f"worst block {self.worst:.2f} of the limit, image z {self.mean:.2f}, bias {self.bias:+.3%}, detectable {self.detectable:.3%}"
+        return (f"worst block {self.worst:.2f} of the limit, image z {self.mean:.2f}, "
+                f"bias {self.bias:+.3%}, detectable {self.detectable:.3%}")
 
 
 def compare(samples, reference, tests=1):
-    """z-test of samples (runs, H, W) against the reference; `tests` of this kind share the false-alarm rate."""
+    """z-test of samples (runs, H, W) against the reference; so many `tests` share the false-alarm rate."""
     runs = len(samples)
     differences = block_means(samples - reference.mean)
     error = np.sqrt(differences.var(0, ddof=1) / runs + block_means(reference.variance) / BLOCK ** 2)
@@ -158,4 +168,5 @@ def compare(samples, reference, tests=1):
     means = samples.mean((1, 2))
     expected = reference.mean.mean()
     error = np.sqrt(means.var(ddof=1) / runs + reference.variance.mean() / reference.variance.size)
-    return Verdict(worst, abs(means.mean() - expected) / error, means.mean() / expected - 1, 3 * error / expected)
+    bias = means.mean() - expected
+    return Verdict(worst, abs(bias) / error, bias / expected, 3 * error / expected)

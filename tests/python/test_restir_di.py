@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from direct_light import (
-    FALSE_ALARMS, compare, direct_graph, independent_runs, make_reference, student_quantile, write_every_light,
-    write_open_floor)
+    FALSE_ALARMS, compare, direct_graph, independent_runs, make_reference, student_quantile,
+    write_every_light, write_open_floor)
 from renderer_scenes import ROOT, SIZE, make_renderer, restirpg, scene, scene_file  # noqa: F401
 
 RUNS = 64
@@ -53,7 +53,8 @@ def check(samples, reference):
 
 
 def test_the_mean_is_the_path_tracers_under_every_kind_of_light(every_light, every_light_reference):
-    check(independent_runs(make_renderer(every_light, direct_graph()), RUNS, (1, FRAMES)), every_light_reference)
+    renderer = make_renderer(every_light, direct_graph())
+    check(independent_runs(renderer, RUNS, (1, FRAMES)), every_light_reference)
 
 
 def test_the_mean_is_the_path_tracers_at_shadow_edges(scene, box_reference):  # noqa: F811
@@ -72,9 +73,9 @@ def test_the_mean_is_the_path_tracers_under_a_moving_camera(every_light):
 
 def swing(renderer, k):
     """The lamp of frame k of a run: it moves, tilts and grows."""
-    angle = 0.08 * k
+    cosine, sine = np.cos(0.08 * k), np.sin(0.08 * k)
     pose = np.eye(4)
-    pose[:2, :2] = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]) * (1 + 0.02 * k)
+    pose[:2, :2] = np.array([[cosine, -sine], [sine, cosine]]) * (1 + 0.02 * k)
     pose[:3, 3] = (-0.9 + 0.15 * k, 1.5, 0.1 * k)
     renderer.move_node("Lamp", pose)
 
@@ -86,21 +87,23 @@ def test_light_points_follow_a_light_that_moves_turns_and_grows(tmp_path):
 
 
 def test_what_is_not_direct_through_rough_lobes_is_the_path_tracers(tmp_path):
-    """O5: with mirrors and smooth glass, ReSTIRDI and the path tracer without direct light share all of it, none twice."""
+    """With mirrors and smooth glass, ReSTIRDI and the path tracer share the light, none of it twice (O5)."""
     glass = embedded_scene("cornell_glass", tmp_path)
-    check(independent_runs(make_renderer(glass, direct_graph()), RUNS // 2, (2,)), make_reference(glass, REFERENCE_FRAMES // 2))
+    samples = independent_runs(make_renderer(glass, direct_graph()), RUNS // 2, (2,))
+    check(samples, make_reference(glass, REFERENCE_FRAMES // 2))
 
 
 SETTINGS = [
     {"rounds": 0, "cap": 1}, {"rounds": 0, "cap": 100}, {"rounds": 1, "neighbours": 1, "cap": 20},
     {"rounds": 2, "neighbours": 3, "cap": 5}, {"rounds": 4, "neighbours": 6, "cap": 20},
-    {"rounds": 1, "neighbours": 6, "cap": 100, "radius": 150.0, "normal_threshold": -1.0, "depth_threshold": 10.0},
+    {"rounds": 1, "neighbours": 6, "cap": 100, "radius": 150.0, "normal_threshold": -1.0,
+     "depth_threshold": 10.0},
     {"rounds": 2, "neighbours": 3, "cap": 20, "mis": "balance"},
     {"rounds": 3, "neighbours": 2, "cap": 20, "candidates": 2, "bsdf_candidates": 4, "feedback": False},
 ]
 
 
-@pytest.mark.parametrize("settings", SETTINGS, ids=lambda settings: "-".join(f"{k}={v}" for k, v in settings.items()))
+@pytest.mark.parametrize("settings", SETTINGS, ids=str)
 def test_the_mean_does_not_depend_on_what_is_reused(scene, box_reference, settings):  # noqa: F811
     samples = independent_runs(make_renderer(scene, direct_graph(**settings)), RUNS // 2, (FRAMES,))
     verdict = compare(samples[FRAMES], box_reference)
@@ -108,27 +111,29 @@ def test_the_mean_does_not_depend_on_what_is_reused(scene, box_reference, settin
     assert verdict.mean < student_quantile(1 - FALSE_ALARMS / 2 / len(SETTINGS), RUNS // 2 - 1)
 
 
-# The mistake, and settings under which it matters. That of the previous camera is found by the weights' sums below.
+# The mistake, and settings under which it matters. The weights' sums below find that of the previous camera.
 @pytest.mark.parametrize(("fault", "settings"), [
     ("visibility", {}), ("cap", {}), ("confidence", {}), ("light_measure", {}),
     ("mixture", {"candidates": 1, "bsdf_candidates": 4, "rounds": 0})])
 def test_a_mistake_shows_in_the_mean(scene, box_reference, fault, settings):  # noqa: F811
-    samples = independent_runs(make_renderer(scene, direct_graph(fault=fault, **settings)), RUNS // 4, (FRAMES,))
+    renderer = make_renderer(scene, direct_graph(fault=fault, **settings))
+    samples = independent_runs(renderer, RUNS // 4, (FRAMES,))
     verdict = compare(samples[FRAMES], box_reference)
     print(f"{fault}: {verdict}")
     assert verdict.worst > 1
 
 
-def weight_sums(scene, fault="none", pairwise=True):  # noqa: F811
-    """Farthest from 1 that the MIS weights of a point add up to: temporal, spatial; and how many points were tried."""
+def weight_sums(every_light, fault="none", pairwise=True):
+    """Farthest from 1 that the MIS weights of a point add up to, in temporal and in spatial reuse."""
     graph = direct_graph()
     direct, gbuffer = graph["direct"], graph["gbuffer"]
-    probe = graph.add("probe", "MergeProbe", surface=gbuffer.surface, previous_surface=restirpg.prev("gbuffer.surface"),
-                      motion=gbuffer.motion, reservoirs=direct.reservoirs, history=restirpg.prev("direct.reservoirs"),
-                      pairwise=pairwise, fault=FAULTS.index(fault))
+    probe = graph.add("probe", "MergeProbe", surface=gbuffer.surface, motion=gbuffer.motion,
+                      previous_surface=restirpg.prev("gbuffer.surface"), reservoirs=direct.reservoirs,
+                      history=restirpg.prev("direct.reservoirs"), pairwise=pairwise,
+                      fault=FAULTS.index(fault))
     graph.output("temporal", probe.temporal)
     graph.output("spatial", probe.spatial)
-    renderer = make_renderer(scene, graph)
+    renderer = make_renderer(every_light, graph)
     worst, tried = np.zeros(2), np.zeros(2)
     for k in range(1, 5):
         orbit(renderer, k)

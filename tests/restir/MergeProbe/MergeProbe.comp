@@ -29,7 +29,8 @@ float weight_sum(uint holder, LightPoint y, float target, float here)
     return sum;
 }
 
-/// Farthest from 1 over the points of all participants, and how many there were. Points that the centre cannot show take no part.
+/// Farthest from 1 over the points of all participants, and how many there were. Points that the centre cannot show
+/// take no part.
 vec2 probe()
 {
     vec2 result = vec2(0.0);

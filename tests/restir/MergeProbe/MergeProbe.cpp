@@ -14,7 +14,8 @@ public:
         io.input("motion", motion_, image(2), "motion vectors");
         io.input("reservoirs", reservoirs_, reservoir, "reservoirs of this frame");
         io.input("history", history_, reservoir, "reservoirs of the frame before");
-        const std::string meaning = "farthest from 1 that the weights of one point add up to, and how many points were tried: ";
+        const std::string meaning =
+            "farthest from 1 that the weights of one point add up to, and how many points were tried: ";
         io.output("temporal", temporal_, image(2), meaning + "temporal reuse");
         io.output("spatial", spatial_, image(2), meaning + "spatial reuse");
         io.knob("pairwise", pairwise_, "weights of spatial reuse");
