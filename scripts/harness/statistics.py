@@ -73,9 +73,10 @@ def welch(a, b):
 def block_bias_p_values(runs, reference):
     """p-value of each block's bias: Welch's test, guarded against tails that no run has sampled yet.
 
-    runs: (runs, blocks...), at least 2; reference: (batches, blocks...), one row is exact. In a block that rare
-    bright samples have missed in every run, the runs agree about a value that is far too dark. The variance of a
-    block is therefore never taken for less than the mean relative variance of all blocks says.
+    runs: (runs, blocks...), at least 2; reference: (batches, blocks...), one row is exact. In a block that
+    rare bright samples have missed in every run, the runs agree about a value that is far too dark. The
+    variance of a block is therefore never taken for less than the mean relative variance of all blocks
+    says.
     """
     runs, reference = np.asarray(runs, float), np.asarray(reference, float)
     truth = reference.mean(axis=0)
