@@ -1,11 +1,15 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Write the embedded scenes: a .glb each, and its .hdr sky where it has one. The same bytes on every run."""
 
 import argparse
 import pathlib
 import sys
 
-from scenes import SCENES
+try:
+    from scenes import SCENES
+except ModuleNotFoundError as missing:
+    print(f"make_scenes.py: {sys.executable} has no module '{missing.name}': use a Python with NumPy", file=sys.stderr)
+    sys.exit(2)
 
 DEFAULT_FOLDER = pathlib.Path(__file__).resolve().parent.parent / "out" / "scenes"
 
