@@ -8,7 +8,8 @@ import sys
 try:
     from scenes import SCENES
 except ModuleNotFoundError as missing:
-    print(f"make_scenes.py: {sys.executable} lacks '{missing.name}': use a Python with NumPy", file=sys.stderr)
+    print(f"make_scenes.py: {sys.executable} lacks '{missing.name}': use a Python with NumPy",
+          file=sys.stderr)
     sys.exit(2)
 
 DEFAULT_FOLDER = pathlib.Path(__file__).resolve().parent.parent / "out" / "scenes"
