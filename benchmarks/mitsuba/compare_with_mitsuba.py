@@ -1,0 +1,215 @@
+#!/usr/bin/env python3
+"""Compare the path tracer with Mitsuba 3: block means of independent runs, tested for equality (ALGORITHMS O14).
+
+    compare_with_mitsuba.py SCENE.glb ... --mitsuba-python VENV/bin/python [--diffuse] [--size 64x64] [--bounces 8]
+
+Null hypothesis: both render the same expected image. R runs of different seeds a renderer give the mean of every block of
+pixels with its variance; Welch's t a block and channel, Bonferroni over all of them at 1%. Prints one table row a scene and,
+where the test fails, writes the map of p-values and both images to --out. Exit code 1 when a scene fails.
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from gltf_edits import environment_for_mitsuba, environment_of, make_diffuse, read_glb, write_glb
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from harness.render import find_package  # noqa: E402
+from harness.statistics import LEVEL, Test, welch, welch_p_values  # noqa: E402
+
+LARGEST_RATIO_ERROR = 0.003  # of the image means
+HEADER = ("| scene | cap | runs x samples, ours | Mitsuba | image mean, ours / Mitsuba | blocks x channels | smallest p "
+          "x tests | smallest bias found, image | median block | verdict |\n" + "| --- " * 10 + "|")
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What the runs of both renderers, float (R, H, W, 3), say about one scene."""
+
+    ratio: float  # of the image means
+    ratio_se: float
+    image: Test  # of the image means' difference, relative to Mitsuba's
+    p: np.ndarray  # a block and channel, before correction
+    detectable_block: float  # median over blocks of the smallest relative bias that would be found
+
+    @property
+    def corrected_p(self):
+        return min(float(self.p.min()) * self.p.size, 1.0)
+
+    @property
+    def passed(self):
+        return self.corrected_p >= LEVEL and abs(self.ratio - 1) < LARGEST_RATIO_ERROR
+
+
+def block_means(runs, block):
+    """Means of block x block pixels: (R, H, W, C) to (R, H/block, W/block, C)."""
+    count, height, width, channels = runs.shape
+    return runs.reshape(count, height // block, block, width // block, block, channels).mean(axis=(2, 4), dtype=float)
+
+
+def compare(ours, theirs, block):
+    """Test two sets of independent runs, (R, H, W, 3), for one expected image."""
+    mean_ours, mean_theirs = ours.mean(axis=(1, 2, 3), dtype=float), theirs.mean(axis=(1, 2, 3), dtype=float)
+    image = welch(mean_ours, mean_theirs)
+    scale = mean_theirs.mean()
+    blocks_ours, blocks_theirs = block_means(ours, block), block_means(theirs, block)
+    p = welch_p_values(blocks_ours, blocks_theirs)
+    level = np.maximum(blocks_theirs.mean(axis=0), 1e-3 * scale)
+    errors = np.sqrt(blocks_ours.var(axis=0, ddof=1) / len(ours) + blocks_theirs.var(axis=0, ddof=1) / len(theirs))
+    typical = Test(0.0, float(np.median(errors / level)), len(ours) + len(theirs) - 2, 1.0)
+    return Comparison(float(mean_ours.mean() / scale), image.se / scale, image, p, typical.smallest_detectable(p.size))
+
+
+def render_ours(scene_file, environment, options):
+    """Independent runs of the path tracer, (R, H, W, 3): every frame draws fresh numbers, so stretches of frames are independent."""
+    import restirpg
+    renderer = restirpg.Renderer(restirpg.load_scene(scene_file, environment=environment),
+                                 restirpg.load_graph(ROOT / "graphs" / "path_tracer.py"), size=options.size, seed=options.seed,
+                                 backend=options.backend)
+    renderer.set_everywhere("bounces", options.bounces)
+    sums = [np.zeros((*options.size[::-1], 3))]
+    for run in range(1, options.runs + 1):
+        renderer.render(options.frames)
+        sums.append(renderer.output("image").astype(float) * run)
+    return np.diff(sums, axis=0)
+
+
+def render_mitsuba(scene_file, environment, folder, options):
+    """Independent runs of Mitsuba, (R, H, W, 3). The bounce cap n is its max_depth n + 2."""
+    import restirpg
+    light = []
+    if environment and Path(environment).is_file():
+        restirpg.write_exr(folder / "mitsuba.exr", {"": environment_for_mitsuba(read_environment(environment))})
+        light = ["--envmap", str(folder / "mitsuba.exr")]
+    elif environment:
+        light = ["--env", environment]
+    size = "x".join(map(str, options.size))
+    command = [options.mitsuba_python, Path(__file__).with_name("mitsuba_runs.py"), options.converter, options.mitsuba_runs,
+               folder / "runs.npy", scene_file, "--spp", options.samples, "--depth", options.bounces + 2, "--res", size,
+               "--variant", options.variant, "--seed", 1000 * options.seed, *light]
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, env={**os.environ, "PYTHONPATH": ""})
+    if done.returncode != 0:
+        sys.exit(f"Mitsuba failed on {scene_file}:\n{done.stderr}")
+    return np.load(folder / "runs.npy")
+
+
+def read_environment(path):
+    """An .exr or .hdr environment as float (H, W, 3)."""
+    import restirpg
+    if str(path).endswith(".exr"):
+        return restirpg.read_exr(path)
+    data = Path(path).read_bytes()
+    header, _, rest = data.partition(b"\n\n")
+    size, _, body = rest.partition(b"\n")
+    height, width = int(size.split()[1]), int(size.split()[3])
+    return decode_rgbe(body, height, width)
+
+
+def decode_rgbe(body, height, width):
+    """Run-length coded Radiance scanlines (Ward 1991) to float (H, W, 3); with the half step that readers add."""
+    data, at = np.frombuffer(body, np.uint8), 0
+    image = np.empty((height, 4, width), np.uint8)
+    for row in image:
+        at += 4
+        for channel in row:
+            x = 0
+            while x < width:
+                count = int(data[at])
+                if count > 128:
+                    channel[x:x + count - 128] = data[at + 1]
+                    at, x = at + 2, x + count - 128
+                else:
+                    channel[x:x + count] = data[at + 1:at + 1 + count]
+                    at, x = at + 1 + count, x + count
+    mantissa, exponent = image[:, :3].transpose(0, 2, 1).astype(float), image[:, 3].astype(int)
+    return np.where(exponent[..., None] > 0, np.ldexp(mantissa, exponent[..., None] - 136), 0.0)
+
+
+def write_failure(name, folder, ours, theirs, result):
+    """Both images and the map of p-values (smallest over channels) as PNG."""
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+    folder.mkdir(parents=True, exist_ok=True)
+    figure, axes = pyplot.subplots(1, 3, figsize=(15, 5))
+    for axis, image, title in zip(axes, (ours.mean(axis=0), theirs.mean(axis=0)), ("ours", "Mitsuba")):
+        axis.imshow(np.clip(image / (4 * theirs.mean()), 0, 1) ** (1 / 2.2))
+        axis.set_title(title)
+    shown = axes[2].imshow(np.log10(np.maximum(result.p.min(axis=2), 1e-12)), cmap="inferno", vmin=-12, vmax=0)
+    axes[2].set_title("log10 p of a block")
+    figure.colorbar(shown, ax=axes[2])
+    figure.savefig(folder / f"{name}.png", dpi=80)
+    pyplot.close(figure)
+
+
+def run_scene(path, options):
+    """Render and test one scene; prints its row of the table and returns whether it passed."""
+    document, binary = read_glb(path)
+    environment = options.environment or environment_of(document)
+    if isinstance(environment, list):
+        environment = ",".join(map(str, environment))
+    elif environment and not options.environment:
+        environment = str(path.parent / environment)
+    name = path.stem + ("_made_diffuse" if options.diffuse else "")
+    with tempfile.TemporaryDirectory(prefix="mitsuba-") as temporary:
+        folder = Path(temporary)
+        document.get("asset", {}).get("extras", {}).pop("restirpg", None)
+        document = make_diffuse(document) if options.diffuse else document
+        scene_file = write_glb(folder / f"{name}.glb", document, binary)
+        ours = render_ours(scene_file, environment, options)
+        theirs = render_mitsuba(scene_file, environment, folder, options)
+    result = compare(ours, theirs, options.block)
+    verdict = "equal" if result.passed else "DIFFERENT"
+    print(f"| {name} | {options.bounces} | {options.runs} x {options.frames} | {options.mitsuba_runs} x {options.samples} | "
+          f"{result.ratio:.5f} +- {result.ratio_se:.5f} | {result.p.size} | {result.corrected_p:.2g} | "
+          f"{result.image.smallest_detectable() / theirs.mean():.2%} | {result.detectable_block:.1%} | {verdict} |", flush=True)
+    if not result.passed:
+        write_failure(name, options.out, ours, theirs, result)
+    return result.passed
+
+
+def parse_arguments():
+    """The command line, with sizes as integers."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="+", type=Path)
+    parser.add_argument("--mitsuba-python", required=True, help="the Python of an environment that has Mitsuba 3")
+    parser.add_argument("--converter", type=Path, default=ROOT.parent / "shared" / "tools" / "gltf_to_mitsuba.py",
+                        help="glTF to Mitsuba 3 (default: ../shared/tools/gltf_to_mitsuba.py)")
+    parser.add_argument("--variant", default="llvm_ad_rgb", help="of Mitsuba; LLVM's needs DRJIT_LIBLLVM_PATH")
+    parser.add_argument("--diffuse", action="store_true", help="rewrite every material as exactly Lambert, without normals")
+    parser.add_argument("--environment", help="r,g,b or an .exr or .hdr file; default: what the scene names")
+    parser.add_argument("--backend", help="software or rayquery")
+    parser.add_argument("--size", default="64x64")
+    parser.add_argument("--block", type=int, default=8, help="edge of a block in pixels; divides the size")
+    parser.add_argument("--bounces", type=int, default=8)
+    parser.add_argument("--seed", type=int, default=1, help="of both renderers; another one repeats a test on fresh numbers")
+    parser.add_argument("--runs", type=int, default=64)
+    parser.add_argument("--frames", type=int, default=16, help="samples a pixel of each of our runs")
+    parser.add_argument("--mitsuba-runs", type=int, default=64)
+    parser.add_argument("--samples", type=int, default=16, help="samples a pixel of each of Mitsuba's runs")
+    parser.add_argument("--out", type=Path, default=ROOT / "out" / "mitsuba", help="folder of pictures of failures")
+    options = parser.parse_args()
+    options.size = tuple(map(int, options.size.split("x")))
+    if any(edge % options.block for edge in options.size):
+        parser.error(f"--block {options.block} does not divide --size")
+    return options
+
+
+def main():
+    """Compare every scene; 0 when all are equal."""
+    options = parse_arguments()
+    find_package()
+    print(HEADER)
+    return 0 if all([run_scene(path, options) for path in options.scenes]) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
