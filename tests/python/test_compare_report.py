@@ -98,7 +98,8 @@ def test_dragging_the_line_moves_the_split_and_dragging_elsewhere_pans(browser):
 
 def test_the_wheel_zooms_about_the_pointer_in_all_panes_in_step(browser):
     browser.run("document.querySelector('[data-mode=tiles]').click()")
-    assert browser.run("return document.querySelectorAll('.pane').length") == 3
+    widths = browser.run("return Array.from(document.querySelectorAll('.pane canvas'), c => c.width)")
+    assert len(widths) == 3 and len(set(widths)) == 1
     browser.point(".pane canvas", ("wheel", -300))
     after = state(browser)
     assert after["zoom"] == pytest.approx(2)
