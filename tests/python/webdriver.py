@@ -28,9 +28,23 @@ class Browser:
     def __enter__(self):
         self._profile = tempfile.mkdtemp()
         self._driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, text=True)
+        try:
+            self._start_session()
+        except BaseException:
+            self._stop_driver()
+            raise
+        return self
+
+    def __exit__(self, *exception):
+        self._ask("", method="DELETE")
+        self._stop_driver()
+
+    def _start_session(self):
         for line in self._driver.stdout:
             if match := re.search(r"started successfully on port (\d+)", line):
                 break
+        else:
+            raise RuntimeError("chromedriver did not start")
         self._url = f"http://127.0.0.1:{match[1]}/session"
         options = {"args": [*FLAGS, f"--user-data-dir={self._profile}"]}
         capabilities = {
@@ -41,10 +55,8 @@ class Browser:
             }
         }
         self._url += "/" + self._ask("", {"capabilities": capabilities})["sessionId"]
-        return self
 
-    def __exit__(self, *exception):
-        self._ask("", method="DELETE")
+    def _stop_driver(self):
         self._driver.terminate()
         self._driver.wait()
         shutil.rmtree(self._profile, ignore_errors=True)
