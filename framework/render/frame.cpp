@@ -6,9 +6,17 @@ void Frame::barrier()
 {
     VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
     barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
-    barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+    barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+                            VK_ACCESS_TRANSFER_WRITE_BIT;
     constexpr VkPipelineStageFlags STAGES = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
     vkCmdPipelineBarrier(commands_, STAGES, STAGES, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+}
+
+void Frame::copy(const Buffer& from, const Buffer& to)
+{
+    barrier();
+    const VkBufferCopy region{0, 0, from.bytes()};
+    vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
 }
 
 void Frame::fill(const Buffer& buffer, uint32_t word)

@@ -40,6 +40,9 @@ public:
         dispatch(kernel, parameters, width_, height_);
     }
 
+    /// Copy all of a buffer into another of its size.
+    void copy(const Buffer& from, const Buffer& to);
+
     /// Fill a buffer with a 32-bit word.
     void fill(const Buffer& buffer, uint32_t word = 0);
 

@@ -1,87 +1,14 @@
 #version 460
 #include "prelude.glsl"
 #include "Shared.h"
-#include "guide.glsl"
-#include "labels.glsl"
 #include "lights.glsl"
 #include "trace.glsl"
+#include "transmittance.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { PathTracerParameters params; };
 
-/// Where a path scatters, and what guides it there.
-struct Vertex {
-    ShadingPoint point;
-    bool guided;
-    Guide guide;
-};
-
-Vertex make_vertex(Surface surface, vec3 wo, uvec2 pixel, uint bounce)
-{
-    Vertex v;
-    v.point = shade_surface(surface, wo);
-    v.guided = false;
-#if GUIDED
-    bool guidable = params.guide != 0ul && label_lobes(v.point.bsdf, LABEL_SMOOTH) != 0u;
-    v.guided = guidable &&
-               guide_lookup(params.guide, GuideQuery(surface.position, v.point.normal, wo, surface.material, pixel, bounce), v.guide);
-#endif
-    return v;
-}
-
-/// Density of scatter over all rough lobes, 1/sr: within the smooth label one-sample MIS of BSDF and guide, sharp lobes never guided.
-float scatter_pdf(Vertex v, vec3 wi_local, vec3 wi)
-{
-    float unguided = bsdf_pdf(v.point.bsdf, v.point.wo, wi_local, LOBE_ALL);
-    if (!v.guided)
-        return unguided;
-    float smooth_pdf = bsdf_pdf(v.point.bsdf, v.point.wo, wi_local, label_lobes(v.point.bsdf, LABEL_SMOOTH));
-    float guided_pdf = label_probability(v.point.bsdf, v.point.wo, LABEL_SMOOTH) * guide_pdf(v.guide, wi);
-    return unguided + (1.0 - params.alpha) * (guided_pdf - smooth_pdf);
-}
-
-/// A scattered direction (BsdfSample::wi in the local frame) by the BSDF or, in the smooth label, by the guide.
-BsdfSample scatter(Vertex v, RandomKey key, uint bounce)
-{
-    Bsdf bsdf = v.point.bsdf;
-    vec4 numbers = random4(key, bounce, RANDOM_DIRECTION);
-    if (!v.guided)
-        return bsdf_sample(bsdf, v.point.wo, numbers.z, numbers.xy);
-    uint lobe = bsdf_select_lobe(bsdf, v.point.wo, LOBE_ALL, numbers.z);
-    BsdfSample s;
-    if (label_of_lobe(bsdf, lobe) == LABEL_SMOOTH && random1(key, bounce, RANDOM_TECHNIQUE) >= params.alpha) {
-        s = no_bsdf_sample(lobe);
-        s.wi = to_local(v.point.local_frame, guide_sample(v.guide, vec3(numbers.xy, random1(key, bounce, RANDOM_GUIDE_LOBE))));
-    } else {
-        s = bsdf_sample_lobe(bsdf, v.point.wo, lobe, numbers.xy);
-        if (s.pdf <= 0.0)
-            return s;
-        if (s.delta) {
-            s.pdf = bsdf_lobe_probability(bsdf, v.point.wo, lobe);
-            s.weight /= s.pdf;
-            return s;
-        }
-    }
-    s.pdf = scatter_pdf(v, s.wi, to_world(v.point.local_frame, s.wi));
-    s.weight = s.pdf > 0.0 ? bsdf_eval(bsdf, v.point.wo, s.wi, LOBE_ALL) * (abs(s.wi.z) / s.pdf) : vec3(0.0);
-    return s;
-}
-
-/// Beer-Lambert along a segment that leaves p in direction wi (world).
-vec3 transmittance_leaving(ShadingPoint p, vec3 wi, float distance)
-{
-    bool inwards = (dot(p.normal, wi) > 0.0) != p.front;
-    return inwards && p.absorption != vec3(0.0) ? exp(-p.absorption * distance) : vec3(1.0);
-}
-
-/// Beer-Lambert along a segment between two surfaces: inside the solid that it leaves into, else inside the one it arrives from.
-vec3 transmittance_between(ShadingPoint from, vec3 wi, float distance, ShadingPoint to)
-{
-    bool inwards = (dot(from.normal, wi) > 0.0) != from.front;
-    if (inwards && from.absorption != vec3(0.0))
-        return exp(-from.absorption * distance);
-    return !to.front && to.absorption != vec3(0.0) ? exp(-to.absorption * distance) : vec3(1.0);
-}
+#include "vertex.glsl"
 
 /// Direct light through the rough lobes, from one light sample weighted against scatter by the balance heuristic.
 vec3 estimate_direct(Vertex v, vec4 u)
@@ -168,6 +95,5 @@ void main()
     vec3 radiance = vec3(0.0);
     if (hit.instance != INVALID_INDEX)
         radiance = trace_path(hit, at, random_key(at, frame.c.frame, frame.c.seed));
-    if (params.radiance != 0ul)
-        Vec3Image(params.radiance).at[pixel] = radiance;
+    Vec3Image(params.radiance).at[pixel] = radiance;
 }

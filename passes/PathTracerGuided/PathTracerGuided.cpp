@@ -1,7 +1,15 @@
 #include "Shared.h"
 #include "render/frame.h"
+#include "shaders/path_reservoir_types.h"
 
 namespace restirpg {
+
+namespace {
+
+/// The labels of a candidate's bounces have to fit its reservoir.
+constexpr uint32_t MAX_BOUNCES = PATH_MAX_EDGES - 2;
+
+}  // namespace
 
 class PathTracerGuided final : public Pass {
 public:
@@ -10,7 +18,9 @@ public:
         io.input("surface", surface_, perPixel<Hit>("Surface"), "primary hit of each pixel");
         io.optionalInput("guide", guide_, guide({}, {}), "directions worth sampling, with the GLSL module of the pass that makes them; unwired: a plain path tracer");
         io.output("radiance", radiance_, image(3), "one path's estimate of the light scattered to the camera, W/sr/m^2, without emission of the primary hit");
-        io.knob("bounces", bounces_, 0, 64, "bounce cap n: light reaches the camera over at most n + 2 edges (Zeng et al. 2025 counts so)");
+        io.output("candidates", candidates_, perPixel<PathReservoir>("PathReservoir"),
+                  "one path a pixel, resampled from all that end on the way of a path tree; without direct light but what delta lobes find");
+        io.knob("bounces", bounces_, 0, MAX_BOUNCES, "bounce cap n: light reaches the camera over at most n + 2 edges (Zeng et al. 2025 counts so)");
         io.knob("nee", nee_, "connect every vertex to a light, weighted against scattering by the balance heuristic");
         io.knob("direct", direct_, "include direct light at the primary hit; off where ReSTIRDI owns it (through delta lobes it is always included)");
         io.knob("alpha", alpha_, 0, 1, "probability of sampling a smooth bounce by the BSDF instead of the guide, where there is guidance (Zeng et al. 2025: 0.5)");
@@ -19,25 +29,31 @@ public:
     void build(Device& device) override
     {
         const bool guided = !guide_.module.empty();
-        kernel_ = Kernel(device, passFile("PathTracerGuided.comp"), {{"GUIDED", guided ? "1" : "0"}},
-                         {{"guide_module.glsl", guide_.module}});
+        const Defines defines = {{"GUIDED", guided ? "1" : "0"}};
+        const Includes includes = {{"guide_module.glsl", guide_.module}};
+        kernel_ = Kernel(device, passFile("PathTracerGuided.comp"), defines, includes);
+        candidatesKernel_ = Kernel(device, passFile("Candidates.comp"), defines, includes);
     }
 
     void record(Frame& frame) override
     {
-        const PathTracerParameters parameters{
-            frame.constants(), surface_->address(), addressOf(radiance_), addressOf(guide_), bounces_, nee_, direct_, alpha_};
-        frame.dispatchPixels(kernel_, parameters);
+        const PathTracerParameters parameters{frame.constants(),      surface_->address(), addressOf(radiance_),
+                                              addressOf(candidates_), addressOf(guide_),   bounces_,
+                                              nee_,                   direct_,             alpha_};
+        if (radiance_)
+            frame.dispatchPixels(kernel_, parameters);
+        if (candidates_)
+            frame.dispatchPixels(candidatesKernel_, parameters);
     }
 
 private:
     In<Buffer> surface_, guide_;
-    Out<Buffer> radiance_;
+    Out<Buffer> radiance_, candidates_;
     uint32_t bounces_ = 4;
     bool nee_ = true;
     bool direct_ = false;
     float alpha_ = 0.5f;
-    Kernel kernel_;
+    Kernel kernel_, candidatesKernel_;
 };
 
 }  // namespace restirpg

@@ -8,6 +8,7 @@ struct PathTracerParameters {
     Address frame;  ///< FrameConstants
     Address surface;  ///< Hit a pixel
     Address radiance;  ///< vec3 a pixel; 0: nobody reads it
+    Address candidates;  ///< PathReservoir a pixel; 0: nobody reads it
     Address guide;  ///< what the guide's module reads; 0: no guide
     uint bounces;  ///< the bounce cap n: paths of at most n + 2 edges
     uint nextEventEstimation;  ///< 1: connect every vertex to a light, weighted against scattering

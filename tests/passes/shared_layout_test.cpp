@@ -9,6 +9,7 @@
 #include "../../passes/GBuffer/Shared.h"
 #include "../../passes/PathTracerGuided/Shared.h"
 #include "../../passes/ReSTIRDI/Shared.h"
+#include "../../passes/ReSTIRReuse/Shared.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -84,7 +85,12 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(ErrorMeasureParameters, frame, image, reference, lanes, total, map, errors),
     LAYOUT(GBufferParameters, frame, surface, emission, normal, geometricNormal, albedo, depth, motion, material,
            jitter),
-    LAYOUT(PathTracerParameters, frame, surface, radiance, guide, bounces, nextEventEstimation, direct, alpha),
+    LAYOUT(PathTracerParameters, frame, surface, radiance, candidates, guide, bounces, nextEventEstimation, direct,
+           alpha),
+    LAYOUT(PathReservoir, f, ucw, confidence, shape, labels, pixel, frame, prefix, sharpPdf, anchor, place, direction,
+           geometry, suffix),
+    LAYOUT(ReuseParameters, frame, surface, previousSurface, motion, source, history, reservoirs, radiance, cap, radius,
+           normalThreshold, depthThreshold, neighbours, round),
     LAYOUT(LightPoint, instance, index, place),
     LAYOUT(LightReservoir, point, ucw, confidence, target),
     LAYOUT(ReSTIRDIParameters, frame, surface, previousSurface, motion, history, source, reservoirs, radiance,
@@ -102,7 +108,7 @@ std::string kernelText()
         uses += fmt::format("    {0}Array(address).at[0] = {0}Array(address).at[1];\n", layout.name);
     }
     std::string includes = "#include \"prelude.glsl\"\n#include \"double_single_types.h\"\n";
-    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "PathTracerGuided", "ReSTIRDI"})
+    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "PathTracerGuided", "ReSTIRDI", "ReSTIRReuse"})
         includes += fmt::format("#include \"{}/passes/{}/Shared.h\"\n", RESTIRPG_SOURCE, pass);
     return "#version 460\n" + includes +
            "layout(local_size_x = 1) in;\nlayout(push_constant) uniform Push { Address address; };\n" + declarations +

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 
-RUNS = 12
+RUNS = 8
 FRAMES = 48
 
 
@@ -58,7 +58,7 @@ def unguided(scene):
     return run_means(scene, 1000)
 
 
-@pytest.mark.parametrize("kappa, alpha", [(0.0, 0.5), (3.0, 0.5), (200.0, 0.5), (3.0, 0.1)])
+@pytest.mark.parametrize("kappa, alpha", [(0.0, 0.5), (200.0, 0.5), (3.0, 0.1)])
 def test_a_guide_leaves_the_mean_as_it_is(scene, unguided, kappa, alpha):
     assert abs(z_of(run_means(scene, 2000, "guide", kappa=kappa, alpha=alpha), unguided)) < 4
 

@@ -1,0 +1,85 @@
+// Reading and writing PathReservoir.
+#ifndef RESTIRPG_PATH_RESERVOIR_GLSL
+#define RESTIRPG_PATH_RESERVOIR_GLSL
+
+#include "labels.glsl"
+#include "light_reservoir.glsl"
+#include "path_reservoir_types.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PathReservoirArray { PathReservoir at[]; };
+
+/// Interior vertices closer than this part of the scene's radius do not reconnect: the geometry term would explode (near field).
+const float NEAR_FIELD = 0.01;
+
+uint path_edges(PathReservoir r)
+{
+    return r.shape & 0xffu;
+}
+
+/// Index k of the reconnection vertex; 0: none.
+uint reconnection_index(PathReservoir r)
+{
+    return r.shape >> 8u;
+}
+
+uint path_shape(uint edges, uint k)
+{
+    return edges | (k << 8u);
+}
+
+uint path_label(uint labels, uint bounce)
+{
+    return (labels >> (2u * bounce - 2u)) & 3u;
+}
+
+uint set_path_label(uint labels, uint bounce, uint label)
+{
+    uint shift = 2u * bounce - 2u;
+    return (labels & ~(3u << shift)) | (label << shift);
+}
+
+/// A unit direction in 32 bits, octahedral. A direction is packed before it is traced, so that a copy of it is exact.
+uint pack_direction(vec3 w)
+{
+    return packSnorm2x16(encode_octahedral(w));
+}
+
+vec3 unpack_direction(uint bits)
+{
+    return decode_octahedral(unpackSnorm2x16(bits));
+}
+
+/// May the edge between two surface vertices reconnect? By the labels of its two ends and its length (O3).
+bool is_connectable(uint label_before, uint label_after, float edge_length)
+{
+    return label_before == LABEL_SMOOTH && label_after == LABEL_SMOOTH && edge_length >= NEAR_FIELD * SCENE.radius;
+}
+
+/// |cos| / d^2 of an edge of direction wi and length d that arrives at a surface of normal n.
+float edge_geometry(vec3 n, vec3 wi, float d)
+{
+    return abs(dot(n, wi)) / (d * d);
+}
+
+LightPoint anchored_light(PathReservoir r)
+{
+    return LightPoint(r.anchor.x, r.anchor.y, r.place);
+}
+
+void set_anchor(inout PathReservoir r, LightPoint point)
+{
+    r.anchor = uvec2(point.instance, point.index);
+    r.place = point.place;
+}
+
+Hit anchored_hit(PathReservoir r)
+{
+    return Hit(r.anchor.x, r.anchor.y, r.place);
+}
+
+PathReservoir empty_path_reservoir(float confidence)
+{
+    return PathReservoir(vec3(0.0), 0.0, confidence, 0u, 0u, 0u, 0u, uvec4(0u), 1.0, uvec2(0u), vec2(0.0), 0u, 1.0, vec3(1.0));
+}
+
+#endif

@@ -1,0 +1,261 @@
+#version 460
+#include "prelude.glsl"
+#include "Shared.h"
+#include "path_reservoir.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform Push { PathTracerParameters params; };
+
+#include "vertex.glsl"
+
+// Streaming RIS along one path tree: every vertex offers the path that ends there by a light sample, and the one that ends where
+// scattering meets an emitter. A path is its vertices and labels, whichever technique made it; both techniques' densities stand in
+// one balance heuristic (ALGORITHMS O1, O2, A.2).
+
+/// The path traced so far. `path` is a reservoir whose labels, prefix and (once k is known) anchor are those of the prefix.
+struct Tree {
+    PathReservoir path;
+    uint k;  ///< 0: no edge of the prefix can reconnect
+    vec3 f;  ///< product of the bounces and of absorption
+    float inverse_pdf;
+    Hit hit;  ///< of the vertex the path stands at
+    float arrival;  ///< length of the edge it arrived by, m
+    float arrival_geometry;
+};
+
+/// What the offers have come to.
+PathReservoir kept;
+float weight_sum;
+
+/// P(l) Q_l(wi): density of scatter with label l, 1/sr; the mixture with the guide for the smooth label. Delta labels: 0.
+float label_density(Vertex v, uint label, vec3 local, vec3 wi)
+{
+    float density = bsdf_pdf(v.point.bsdf, v.point.wo, local, label_lobes(v.point.bsdf, label));
+    if (label == LABEL_SMOOTH && v.guided) {
+        float guided = label_probability(v.point.bsdf, v.point.wo, LABEL_SMOOTH) * guide_pdf(v.guide, wi);
+        density += (1.0 - params.alpha) * (guided - density);
+    }
+    return density;
+}
+
+/// f |cos| of one label's rough lobes.
+vec3 label_value(Vertex v, uint label, vec3 local)
+{
+    return bsdf_eval(v.point.bsdf, v.point.wo, local, label_lobes(v.point.bsdf, label)) * abs(local.z);
+}
+
+/// P_n(label): how a light sample's path draws the label of its last bounce, in proportion to the labels' luminances.
+vec3 label_shares(Vertex v, vec3 local)
+{
+    vec3 shares;
+    for (uint label = LABEL_SMOOTH; label <= LABEL_SHARP_TRANSMIT; ++label)
+        shares[label] = luminance(label_value(v, label, local));
+    return shares / max(shares.x + shares.y + shares.z, 1e-30);
+}
+
+/// Weigh a whole path against those before it.
+void offer(PathReservoir path, float weight, float u)
+{
+    if (!(weight > 0.0) || isinf(weight))
+        return;
+    weight_sum += weight;
+    if (u * weight_sum <= weight)
+        kept = path;
+}
+
+/// The path that leaves the tree's vertex x_u with `label` in direction wi and ends on the light at `e`. `value` is the last
+/// bounce's, `beyond` the light times the absorption on the way.
+PathReservoir end_path(Tree tree, uint u, uint label, vec3 wi, vec3 value, vec3 beyond, LightPoint light, float light_geometry)
+{
+    PathReservoir path = tree.path;
+    path.labels = set_path_label(path.labels, u, label);
+    path.f = tree.f * value * beyond;
+    uint k = tree.k;
+    if (k > 0u && k < u) {
+        path.suffix *= value * beyond;
+    } else if (u >= 2u && is_connectable(path_label(path.labels, u - 1u), label, tree.arrival)) {
+        k = u;
+        path.anchor = uvec2(tree.hit.instance, tree.hit.triangle);
+        path.place = tree.hit.barycentrics;
+        path.direction = pack_direction(wi);
+        path.geometry = tree.arrival_geometry;
+        path.suffix = beyond;
+    } else {
+        k = u + 1u;
+        set_anchor(path, light);
+        path.geometry = light_geometry;
+    }
+    path.shape = path_shape(u + 1u, k);
+    return path;
+}
+
+/// Offer the path that one light sample ends.
+void offer_light_sample(Tree tree, Vertex v, uint u, RandomKey key, RandomKey choices)
+{
+    LightPoint point;
+    ShadingPoint p = v.point;
+    if (bsdf_rough_lobes(p.bsdf, LOBE_ALL) == 0u || !sample_light_point(random4(key, u, RANDOM_LIGHT), point))
+        return;
+    LightEdge e = edge_to_light(point, p.position, false);
+    vec3 local = to_local(p.local_frame, e.wi);
+    if (e.radiance == vec3(0.0) || e.jacobian <= 0.0 || e.light_pdf <= 0.0 || !is_consistent(p, local, e.wi))
+        return;
+    vec3 shares = label_shares(v, local);
+    vec4 numbers = random4(choices, u, 0u);
+    uint label = numbers.x < shares.x ? LABEL_SMOOTH : numbers.x < shares.x + shares.y ? LABEL_SHARP_REFLECT : LABEL_SHARP_TRANSMIT;
+    if (shares[label] <= 0.0 || !is_lit(p.position, p.normal, e))
+        return;
+    vec3 value = label_value(v, label, local);
+    float density = e.light_pdf / e.jacobian * shares[label] + (e.delta ? 0.0 : label_density(v, label, local, e.wi));
+    vec3 beyond = e.radiance * transmittance_leaving(p, e.wi, e.distance);
+    PathReservoir path = end_path(tree, u, label, e.wi, value, beyond, point, e.jacobian);
+    offer(path, luminance(path.f) * tree.inverse_pdf / density, numbers.y);
+}
+
+/// A scattered direction with its label: what the tree takes along an edge.
+struct Scattered {
+    uint label;
+    bool delta;
+    vec3 local;
+    vec3 wi;
+    vec3 value;  ///< f |cos|; of a delta its throughput
+    float density;  ///< P(l) Q_l; of a delta P(l)
+    float replay_pdf;  ///< density of a rough sharp lobe's own draw; else 1
+};
+
+/// Draw the label, then the direction: by BSDF or guide within the smooth label, by the lobe alone within a sharp one. density 0: none.
+Scattered scatter_labelled(Vertex v, RandomKey key, uint u)
+{
+    ShadingPoint p = v.point;
+    vec4 numbers = random4(key, u, RANDOM_DIRECTION);
+    uint lobe = bsdf_select_lobe(p.bsdf, p.wo, LOBE_ALL, numbers.z);
+    Scattered s = Scattered(label_of_lobe(p.bsdf, lobe), false, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 1.0);
+    if (lobe == 0u)
+        return s;
+    bool guided = s.label == LABEL_SMOOTH && v.guided && random1(key, u, RANDOM_TECHNIQUE) >= params.alpha;
+    if (guided) {
+        s.wi = guide_sample(v.guide, vec3(numbers.xy, random1(key, u, RANDOM_GUIDE_LOBE)));
+    } else {
+        BsdfSample drawn = bsdf_sample_lobe(p.bsdf, p.wo, lobe, numbers.xy);
+        if (drawn.pdf <= 0.0)
+            return s;
+        s.local = drawn.wi;
+        s.wi = to_world(p.local_frame, drawn.wi);
+        s.delta = drawn.delta;
+        s.value = drawn.weight;
+        s.density = s.delta ? bsdf_lobe_probability(p.bsdf, p.wo, lobe) : 0.0;
+        s.replay_pdf = s.label == LABEL_SMOOTH ? 1.0 : drawn.pdf;
+    }
+    if (s.delta)
+        return s;
+    if (s.label == LABEL_SMOOTH) {
+        s.wi = unpack_direction(pack_direction(s.wi));
+        s.local = to_local(p.local_frame, s.wi);
+    }
+    s.value = label_value(v, s.label, s.local);
+    s.density = label_density(v, s.label, s.local, s.wi);
+    return s;
+}
+
+/// Offer the path whose scattered edge has met a light.
+void offer_found_light(Tree tree, Vertex v, uint u, Scattered s, LightPoint point, vec3 radiance, vec3 absorption, RandomKey choices)
+{
+    LightEdge e = edge_to_light(point, v.point.position, false);
+    float density = s.density;
+    if (!s.delta && e.jacobian > 0.0)
+        density += e.light_pdf / e.jacobian * label_shares(v, s.local)[s.label];
+    PathReservoir path = end_path(tree, u, s.label, s.wi, s.value, radiance * absorption, point, e.jacobian);
+    if (s.delta && reconnection_index(path) == u + 1u) {
+        path.shape = path_shape(u + 1u, 0u);  // nothing connects through a delta
+        path.geometry = 1.0;
+    }
+    offer(path, luminance(path.f) * tree.inverse_pdf / density, random4(choices, u, 0u).z);
+}
+
+/// Note the bounce in the path: label, direction, replay density, and the reconnection if this edge's end is the first that can.
+void extend_path(inout Tree tree, uint u, Scattered s)
+{
+    tree.path.labels = set_path_label(tree.path.labels, u, s.label);
+    if (s.label == LABEL_SMOOTH && u <= PATH_PREFIX)
+        tree.path.prefix[u - 1u] = pack_direction(s.wi);
+    if (tree.k > 0u)
+        return;
+    if (u >= 2u && is_connectable(path_label(tree.path.labels, u - 1u), s.label, tree.arrival)) {
+        tree.k = u;
+        tree.path.anchor = uvec2(tree.hit.instance, tree.hit.triangle);
+        tree.path.place = tree.hit.barycentrics;
+        tree.path.direction = pack_direction(s.wi);
+        tree.path.geometry = tree.arrival_geometry;
+        tree.path.suffix = vec3(1.0);
+    }
+}
+
+void trace_tree(Hit hit, uvec2 at)
+{
+    RandomKey key = random_key(at, frame.c.frame, frame.c.seed);
+    RandomKey choices = random_key(at, frame.c.frame, frame.c.seed ^ RANDOM_STREAM_RESAMPLING);
+    Tree tree = Tree(empty_path_reservoir(1.0), 0u, vec3(1.0), 1.0, hit, 0.0, 0.0);
+    tree.path.pixel = key.pixel;
+    tree.path.frame = key.frame;
+    Surface surface = load_surface(hit, false);
+    Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), at, 1u);
+
+    for (uint u = 1u; u <= params.bounces + 1u; ++u) {
+        if (u > 1u)  // direct light at x_1 is ReSTIR DI's, but for what delta lobes find (O5)
+            offer_light_sample(tree, v, u, key, choices);
+        Scattered s = scatter_labelled(v, key, u);
+        if (s.density <= 0.0 || s.value == vec3(0.0) || !is_consistent(v.point, s.local, s.wi))
+            return;
+
+        float t;
+        vec3 side = dot(v.point.normal, s.wi) > 0.0 ? v.point.normal : -v.point.normal;
+        bool found = trace_closest(offset_origin(v.point.position, side), s.wi, RAY_INFINITY, hit, t);
+        bool owned = u > 1u || s.delta;
+        if (!found) {
+            vec3 radiance = environment_radiance(s.wi);
+            if (owned && radiance != vec3(0.0))
+                offer_found_light(tree, v, u, s, point_in_environment(s.wi), radiance,
+                                  transmittance_leaving(v.point, s.wi, INFINITE_DISTANCE), choices);
+            return;
+        }
+        surface = load_surface(hit, false);
+        Vertex next = make_vertex(surface, -s.wi, at, u + 1u);
+        vec3 absorption = transmittance_between(v.point, s.wi, t, next.point);
+        vec3 emission = triangle_emission(hit.instance, hit.triangle, hit.barycentrics, next.point.front);
+        if (owned && emission != vec3(0.0))
+            offer_found_light(tree, v, u, s, point_on_triangle(hit.instance, hit.triangle, hit.barycentrics), emission, absorption,
+                              choices);
+
+        bool beyond = tree.k > 0u;
+        extend_path(tree, u, s);
+        if (beyond)
+            tree.path.suffix *= s.value;
+        if (tree.k > 0u)
+            tree.path.suffix *= absorption;
+        else
+            tree.path.sharpPdf *= s.replay_pdf;
+        tree.f *= s.value * absorption;
+        tree.inverse_pdf /= s.density;
+        tree.hit = hit;
+        tree.arrival = t;
+        tree.arrival_geometry = edge_geometry(next.point.normal, s.wi, t);
+        v = next;
+    }
+}
+
+void main()
+{
+    frame = FrameRef(params.frame);
+    uvec2 at = gl_GlobalInvocationID.xy;
+    if (any(greaterThanEqual(at, frame.c.size)))
+        return;
+    uint pixel = at.y * frame.c.size.x + at.x;
+    kept = empty_path_reservoir(1.0);
+    weight_sum = 0.0;
+    Hit hit = HitArray(params.surface).at[pixel];
+    if (hit.instance != INVALID_INDEX)
+        trace_tree(hit, at);
+    kept.confidence = 1.0;
+    kept.ucw = weight_sum > 0.0 ? weight_sum / luminance(kept.f) : 0.0;
+    PathReservoirArray(params.candidates).at[pixel] = kept;
+}

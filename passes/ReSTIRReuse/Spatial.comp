@@ -1,0 +1,85 @@
+// One round of merging each pixel's reservoir with those of pixels around it, by defensive pairwise MIS with confidences (ALGORITHMS
+// 6.7): a neighbour competes with the centre alone, so that n neighbours take 2 n shifts.
+#version 460
+#include "prelude.glsl"
+#include "merge.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform Push { ReuseParameters params; };
+
+/// Who takes part besides the centre.
+struct Neighbours {
+    uint count;
+    uint pixel[MAX_REUSE_NEIGHBOURS];
+    float confidence;  ///< of all of them
+};
+
+Neighbours find_neighbours(uvec2 at, Hit hit)
+{
+    Neighbours n;
+    n.count = 0u;
+    n.confidence = 0.0;
+    Surface centre = load_surface(hit, false);
+    for (uint i = 0u; i < params.neighbours; ++i) {
+        uint pixel;
+        if (!find_neighbour_pixel(at, params.radius, random2(reuse_key(at), params.round, 2u * i), pixel))
+            continue;
+        Hit there = HitArray(params.surface).at[pixel];
+        if (there.instance == INVALID_INDEX || !is_similar(centre, load_surface(there, false), frame.c.camera.position,
+                                                           params.normalThreshold, params.depthThreshold))
+            continue;
+        n.pixel[n.count++] = pixel;
+        n.confidence += PathReservoirArray(params.source).at[pixel].confidence;
+    }
+    return n;
+}
+
+/// A neighbour's share against the centre, with all neighbours' confidence on its side. Targets in one measure.
+float pairwise_share(float neighbours_confidence, float there, float centre_confidence, float here)
+{
+    float share = neighbours_confidence * there;
+    return share > 0.0 ? share / (share + centre_confidence * here) : 0.0;
+}
+
+PathReservoir merge_neighbours(uvec2 at, Hit hit, PathReservoir own, Neighbours n)
+{
+    ShadingPoint here = load_domain(hit, false);
+    float total = own.confidence + n.confidence;
+    PathReservoir kept = own;
+    float own_target = luminance(own.f);
+    float own_weight = own.confidence / total;
+    float sum = 0.0;
+    for (uint i = 0u; i < n.count; ++i) {
+        PathReservoir r = PathReservoirArray(params.source).at[n.pixel[i]];
+        ShadingPoint there = load_domain(HitArray(params.surface).at[n.pixel[i]], false);
+        float part = r.confidence / total;
+        own_weight += part * (1.0 - pairwise_share(n.confidence, target_in(own, there), own.confidence, own_target));
+        PathReservoir shifted;
+        float jacobian;
+        if (!shift_to(r, here, shifted, jacobian))
+            continue;
+        float target = luminance(shifted.f);
+        float weight = part * pairwise_share(n.confidence, luminance(r.f) / jacobian, own.confidence, target) * target * jacobian * r.ucw;
+        choose(kept, sum, shifted, weight, random1(reuse_key(at), params.round, 2u * i + 1u));
+    }
+    // The centre comes last: its weight is known only now.
+    choose(kept, sum, own, own_weight * own_target * own.ucw, random1(reuse_key(at), params.round, 2u * MAX_REUSE_NEIGHBOURS));
+    return finish_merge(kept, sum, total);
+}
+
+void main()
+{
+    frame = FrameRef(params.frame);
+    uvec2 at = gl_GlobalInvocationID.xy;
+    if (any(greaterThanEqual(at, frame.c.size)))
+        return;
+    uint pixel = at.y * frame.c.size.x + at.x;
+    Hit hit = HitArray(params.surface).at[pixel];
+    PathReservoir r = PathReservoirArray(params.source).at[pixel];
+    if (hit.instance != INVALID_INDEX) {
+        Neighbours n = find_neighbours(at, hit);
+        if (n.count > 0u)
+            r = merge_neighbours(at, hit, r, n);
+    }
+    PathReservoirArray(params.reservoirs).at[pixel] = r;
+}

@@ -1,0 +1,64 @@
+// Merges each pixel's candidate with the reservoir of the pixel that showed the same surface in the frame before, by the balance
+// heuristic over the two domains (ALGORITHMS A.4).
+#version 460
+#include "prelude.glsl"
+#include "merge.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform Push { ReuseParameters params; };
+
+/// The previous pixel, when there is one that shows a similar surface.
+bool find_history(uvec2 at, Hit hit, out uint pixel)
+{
+    vec2 u = random2(reuse_key(at), TEMPORAL_ROUND, 0u);
+    if (!find_previous_pixel(at, Vec2Array(params.motion).at[gl_GlobalInvocationID.y * frame.c.size.x + at.x], u, pixel))
+        return false;
+    Hit before = HitArray(params.previousSurface).at[pixel];
+    return before.instance != INVALID_INDEX &&
+           is_similar(load_surface(hit, true), load_surface(before, true), frame.c.previousCamera.position, params.normalThreshold,
+                      params.depthThreshold);
+}
+
+PathReservoir merge_history(uvec2 at, Hit hit, PathReservoir own, uint before)
+{
+    PathReservoir history = PathReservoirArray(params.history).at[before];
+    float uncapped = history.confidence;
+    history.confidence = min(history.confidence, params.cap * own.confidence);
+    float mis_confidence = RESTIRPG_FAULT == REUSE_FAULT_CAP ? uncapped : history.confidence;
+    if (RESTIRPG_FAULT == REUSE_FAULT_CONFIDENCE && history.ucw <= 0.0)
+        return own;
+    ShadingPoint here = load_domain(hit, false);
+    ShadingPoint there = load_domain(HitArray(params.previousSurface).at[before], true);
+
+    PathReservoir kept = own;
+    float sum = 0.0;
+    if (own.ucw > 0.0) {
+        float target = luminance(own.f);
+        float own_share = own.confidence * target;
+        sum = own_share / (own_share + mis_confidence * target_in(own, there)) * target * own.ucw;
+    }
+    PathReservoir shifted;
+    float jacobian;
+    if (shift_to(history, here, shifted, jacobian)) {
+        float target = luminance(shifted.f);
+        float there_share = mis_confidence * luminance(history.f) / (RESTIRPG_FAULT == REUSE_FAULT_MIS ? 1.0 : jacobian);
+        float weight = there_share / (there_share + own.confidence * target) * target * jacobian * history.ucw;
+        choose(kept, sum, shifted, weight, random1(reuse_key(at), TEMPORAL_ROUND, 1u));
+    }
+    return finish_merge(kept, sum, own.confidence + history.confidence);
+}
+
+void main()
+{
+    frame = FrameRef(params.frame);
+    uvec2 at = gl_GlobalInvocationID.xy;
+    if (any(greaterThanEqual(at, frame.c.size)))
+        return;
+    uint pixel = at.y * frame.c.size.x + at.x;
+    Hit hit = HitArray(params.surface).at[pixel];
+    PathReservoir r = PathReservoirArray(params.source).at[pixel];
+    uint before;
+    if (hit.instance != INVALID_INDEX && find_history(at, hit, before))
+        r = merge_history(at, hit, r, before);
+    PathReservoirArray(params.reservoirs).at[pixel] = r;
+}
