@@ -26,10 +26,11 @@ def write_glb(path, document, binary):
 
 
 def make_diffuse(document):
-    """Rewrite every material as exactly Lambert: both renderers then mean the same by it.
+    """Rewrite every material as exactly Lambert and opaque: both renderers then mean the same by it.
 
-    Base colour, its texture, alpha mask, emission and sidedness stay. Vertex normals go: where the shading normal differs from the
-    geometric one, renderers treat the directions between the two hemispheres differently, which is no matter of light transport.
+    Base colour, its texture, emission and sidedness stay. What the renderers define differently goes: vertex normals (the
+    directions between the hemispheres of shading and geometric normal) and alpha masks (glTF thresholds the filtered
+    texture, the converter lets Mitsuba filter the thresholded one).
     """
     kept = ("KHR_materials_emissive_strength", "KHR_materials_unlit")
     for material in document.get("materials", []):
@@ -37,8 +38,7 @@ def make_diffuse(document):
         pbr.pop("metallicRoughnessTexture", None)
         pbr.update(metallicFactor=0.0, roughnessFactor=1.0)
         material.pop("normalTexture", None)
-        if material.get("alphaMode") == "BLEND":
-            material["alphaMode"] = "OPAQUE"
+        material["alphaMode"] = "OPAQUE"
         extensions = {name: value for name, value in material.get("extensions", {}).items() if name in kept}
         material["extensions"] = extensions | {"KHR_materials_specular": {"specularFactor": 0.0}}
     for mesh in document.get("meshes", []):
@@ -57,8 +57,9 @@ def environment_of(document):
 def environment_for_mitsuba(radiance):
     """An equirectangular image (H, W, 3) resampled so that Mitsuba's `envmap` interpolates it to the same function.
 
-    Mitsuba puts the first and last row on the poles, not half a texel from them, and starts u half a turn away. On 2H + 1 rows
-    the piecewise linear function in v is the same exactly; near the poles it is constant, as under clamp-to-edge.
+    Mitsuba puts the first and last row on the poles, not half a texel from them, and starts u half a turn away. On
+    2H + 1 rows the piecewise linear function in v is the same exactly; near the poles it is constant, as under
+    clamp-to-edge.
     """
     height, width = radiance.shape[:2]
     at = np.arange(2 * height + 1) / 2 - 0.5
