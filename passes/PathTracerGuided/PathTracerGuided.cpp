@@ -7,7 +7,7 @@ namespace restirpg {
 namespace {
 
 /// The labels of a candidate's bounces have to fit its reservoir.
-constexpr uint32_t MAX_BOUNCES = PATH_MAX_EDGES - 2;
+constexpr uint32_t MAX_CANDIDATE_BOUNCES = PATH_MAX_EDGES - 2;
 
 }  // namespace
 
@@ -20,7 +20,7 @@ public:
         io.output("radiance", radiance_, image(3), "one path's estimate of the light scattered to the camera, W/sr/m^2, without emission of the primary hit");
         io.output("candidates", candidates_, perPixel<PathReservoir>("PathReservoir"),
                   "one path a pixel, resampled from all that end on the way of a path tree; without direct light but what delta lobes find");
-        io.knob("bounces", bounces_, 0, MAX_BOUNCES, "bounce cap n: light reaches the camera over at most n + 2 edges (Zeng et al. 2025 counts so)");
+        io.knob("bounces", bounces_, 0, 64, "bounce cap n: light reaches the camera over at most n + 2 edges (Zeng et al. 2025 counts so)");
         io.knob("nee", nee_, "connect every vertex to a light, weighted against scattering by the balance heuristic");
         io.knob("direct", direct_, "include direct light at the primary hit; off where ReSTIRDI owns it (through delta lobes it is always included)");
         io.knob("alpha", alpha_, 0, 1, "probability of sampling a smooth bounce by the BSDF instead of the guide, where there is guidance (Zeng et al. 2025: 0.5)");
@@ -37,6 +37,9 @@ public:
 
     void record(Frame& frame) override
     {
+        if (candidates_ && bounces_ > MAX_CANDIDATE_BOUNCES)
+            fail("PathTracerGuided: candidates hold paths of at most {} bounces, 'bounces' is {}; set it lower", MAX_CANDIDATE_BOUNCES,
+                 bounces_);
         const PathTracerParameters parameters{frame.constants(),      surface_->address(), addressOf(radiance_),
                                               addressOf(candidates_), addressOf(guide_),   bounces_,
                                               nee_,                   direct_,             alpha_};
