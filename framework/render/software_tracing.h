@@ -11,7 +11,7 @@
 namespace restirpg {
 
 /// Everything that stands still, and whose mesh no other instance shares, is one hierarchy in world space: rays enter one tree
-/// instead of many that overlap (measured: 1.1 to 1.4 times the rays a second on scenes of 20 to 70 meshes). An instance that
+/// instead of many that overlap (benchmarks/results/tracing_rates.md). An instance that
 /// moves for the first time leaves the batch, which is built again without it. Hits are the same either way.
 class SoftwareTracing {
 public:
