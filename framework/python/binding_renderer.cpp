@@ -19,6 +19,12 @@ or None for what suits the device. validation: run under the Vulkan validation l
 
 A scene that has a bounce cap of its own sets the knob "bounces" of every pass to it.)";
 
+constexpr const char* SEED = R"(Of all random numbers from the next frame on: 0 to 2^32 - 1.
+
+`renderer.seed = s; renderer.cut()` begins a run that has the bytes of a new Renderer with that seed, at a fraction of
+its cost. Scene time, camera, nodes and knobs stay as they are: set_time(0) where the scene is animated. Without the
+cut, paths of the history would replay numbers of another seed than their own.)";
+
 constexpr const char* RENDER =
     R"(Render `frames` more frames. Other Python threads run meanwhile; Ctrl-C ends it between two frames.)";
 
@@ -216,6 +222,8 @@ void bindRenderer(py::module_& module)
         .def_property_readonly(
             "size", [](const Renderer& r) { return std::pair(r.options().width, r.options().height); },
             "(width, height) in pixels.")
+        .def_property(
+            "seed", [](const Renderer& r) { return r.options().seed; }, &Renderer::setSeed, SEED)
         .def(
             "output", [](Renderer& r, const std::string& name) { return toArray(r.output(name)); }, OUTPUT, "name"_a)
         .def_property_readonly("output_names", &Renderer::outputNames,

@@ -38,8 +38,10 @@ def path_tracer(port=None, **knobs):
 def run_means(scene, first_seed, port=None, **knobs):
     """Image means of independent runs."""
     means = []
+    renderer = make_renderer(scene, path_tracer(port, **knobs))
     for seed in range(first_seed, first_seed + RUNS):
-        renderer = make_renderer(scene, path_tracer(port, **knobs), seed=seed)
+        renderer.seed = seed
+        renderer.cut()
         renderer.render(FRAMES)
         means.append(renderer.output("image").mean(dtype=float))
     return np.array(means)

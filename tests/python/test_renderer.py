@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 from renderer_scenes import (  # noqa: F401
-    SIZE, frame_graph, make_renderer, renderer, restirpg, scene, scene_file, write_flying_panel)
+    GRAPH, SIZE, frame_graph, make_renderer, renderer, restirpg, scene, scene_file, write_flying_panel)
 
 
 def image_after(renderer, frames, output="image"):
@@ -36,6 +36,19 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_picture(sce
     first, again, other = (image_after(make_renderer(scene, seed=seed), 3) for seed in (5, 5, 6))
     assert first.tobytes() == again.tobytes()
     assert first.tobytes() != other.tobytes()
+
+
+def test_a_seed_and_a_cut_begin_the_run_of_a_new_renderer(scene):
+    graph = restirpg.load_graph(GRAPH.with_name("restir_pt.py"))  # history everywhere
+    fresh = {seed: image_after(make_renderer(scene, graph, seed=seed), 3).tobytes() for seed in (5, 6)}
+    renderer = make_renderer(scene, graph, seed=9)
+    renderer.render(4)
+    for seed in (5, 6, 5):
+        renderer.seed = seed
+        renderer.cut()
+        assert renderer.seed == seed
+        assert image_after(renderer, 3).tobytes() == fresh[seed]
+    assert fresh[5] != fresh[6]
 
 
 def test_frames_add_up_whichever_way_they_are_asked_for(scene):

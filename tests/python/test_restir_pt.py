@@ -34,14 +34,19 @@ def restir(accumulate=True, **knobs):
     return g
 
 
-def mean_after(scene, graph, seed, frames):
-    """Luminance mean of the image after so many frames of one run."""
-    renderer = make_renderer(scene, graph, seed=seed)
+def means_after(scene, graph, frames, first_seed, runs):
+    """Luminance mean of the image after so many frames of each run, float (runs,)."""
+    renderer = make_renderer(scene, graph)
     renderer.set_everywhere("bounces", BOUNCES)
-    renderer.render(frames)
-    image = renderer.output("image").astype(float)
-    assert np.isfinite(image).all() and (image >= 0).all()
-    return (image @ LUMINANCE).mean()
+    means = []
+    for run in range(runs):
+        renderer.seed = first_seed + run
+        renderer.cut()
+        renderer.render(frames)
+        image = renderer.output("image").astype(float)
+        assert np.isfinite(image).all() and (image >= 0).all()
+        means.append((image @ LUMINANCE).mean())
+    return np.array(means)
 
 
 def z_of(values, reference):
@@ -54,27 +59,24 @@ def z_of(values, reference):
 
 @pytest.fixture(scope="module")
 def reference(scene):
-    return np.array([mean_after(scene, path_tracer(), 100 + run, 100) for run in range(8)])
+    return means_after(scene, path_tracer(), 100, 100, 8)
 
 
 def test_candidates_alone_have_the_path_tracers_mean(scene, reference):
     """Without reuse, frames are independent: their mean over a run is one sample."""
-    values = [mean_after(scene, restir(temporal=False, rounds=0), 200 + run, 100) for run in range(8)]
-    assert abs(z_of(np.array(values), reference)) < 4
+    assert abs(z_of(means_after(scene, restir(temporal=False, rounds=0), 100, 200, 8), reference)) < 4
 
 
 @pytest.mark.parametrize("knobs", [{"temporal": False, "rounds": 1}, {"temporal": True, "rounds": 0}, {}],
                          ids=["spatial", "temporal", "both"])
 def test_reuse_keeps_the_mean(scene, reference, knobs):
     """Frame 4 of each run is one sample, for frames of one run are correlated."""
-    values = [mean_after(scene, restir(False, **knobs), 300 + run, 4) for run in range(24)]
-    assert abs(z_of(np.array(values), reference)) < 4
+    assert abs(z_of(means_after(scene, restir(False, **knobs), 4, 300, 24), reference)) < 4
 
 
 def test_leaving_out_empty_history_is_found(scene, reference):
     knobs = {"fault": "confidence", "temporal": True, "rounds": 0}
-    values = [mean_after(scene, restir(False, **knobs), 400 + run, 4) for run in range(8)]
-    assert abs(z_of(np.array(values), reference)) > 6
+    assert abs(z_of(means_after(scene, restir(False, **knobs), 4, 400, 8), reference)) > 6
 
 
 def test_the_same_seed_gives_the_same_bytes(scene):
