@@ -1,27 +1,21 @@
-"""What the tests of ReSTIR DI share: scenes of lights, independent runs, and z-tests against the path tracer.
+"""What the tests of ReSTIR DI share: scenes of lights, their graph, and the path tracer's direct light.
 
-Statistics. A run is a few frames that begin without history (the knob `temporal` is off for the first one),
-so that runs are independent; frame k of each run is one sample. Null hypothesis: the mean over runs of every
-4 x 4 block of pixels is the path tracer's. |z| of a block is compared with the two-sided quantile of
-Student's t at a false-alarm rate of 1% for the whole test (Bonferroni over blocks and values of k). Block
-means of 16 pixels and 64 runs are close to normal; random numbers are hashes of pixel, frame and seed, so no
-two runs share any.
+The statistics, null hypothesis and false-alarm rate are those of scripts/harness/unbiased.py: block means of
+4 x 4 pixels over independent runs are tested together, at 1%. Block means of 16 pixels and 64 runs are close
+to normal.
 """
 
 import sys
-from dataclasses import dataclass
-from statistics import NormalDist
 
 import numpy as np
 from renderer_scenes import ROOT, make_renderer, restirpg
 
 sys.path.insert(0, str(ROOT / "scripts"))
 
+from harness.unbiased import Reference  # noqa: E402
 from scenes import shapes  # noqa: E402
 from scenes.gltf import Material, SceneFile, Texture, emitter, glass, lambert  # noqa: E402
 
-BLOCK = 4
-FALSE_ALARMS = 0.01
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
@@ -84,14 +78,6 @@ def direct_graph(**knobs):
     return graph
 
 
-@dataclass
-class Reference:
-    """The path tracer's direct light through lobes that are not deltas."""
-
-    mean: np.ndarray  # (H, W), luminance
-    variance: np.ndarray  # (H, W), of the error of `mean`
-
-
 def make_reference(scene, frames, prepare=None, seed=99):
     """Direct light by NEE and BSDF sampling. `prepare`(renderer) may move the camera or nodes."""
     graph = restirpg.Graph("Direct light by path tracing")
@@ -111,62 +97,3 @@ def make_reference(scene, frames, prepare=None, seed=99):
     # The standard deviation of a luminance is at most that of fully correlated channels.
     variance = sum((np.sqrt(outputs[f"{name}_variance"]) @ LUMINANCE) ** 2 for name in ("all", "delta"))
     return Reference((outputs["all_mean"] - outputs["delta_mean"]) @ LUMINANCE, variance / frames)
-
-
-def independent_runs(renderer, runs, frames, before_frame=None):
-    """Luminance of the given frames (counted from 1) of each run: {k: (runs, H, W)}.
-
-    `before_frame`(renderer, k) may move the camera or nodes.
-    """
-    samples = {k: [] for k in frames}
-    for _ in range(runs):
-        for k in range(1, max(frames) + 1):
-            renderer.set("direct.temporal", k > 1)
-            if before_frame:
-                before_frame(renderer, k)
-            renderer.render(1)
-            if k in samples:
-                samples[k].append(renderer.output("radiance").astype(float) @ LUMINANCE)
-    return {k: np.array(images) for k, images in samples.items()}
-
-
-def block_means(images):
-    """Means over blocks of BLOCK x BLOCK pixels of (..., H, W)."""
-    height, width = images.shape[-2:]
-    return images.reshape(*images.shape[:-2], height // BLOCK, BLOCK, width // BLOCK, BLOCK).mean((-3, -1))
-
-
-def student_quantile(probability, freedom):
-    """Quantile of Student's t: the first term of its expansion about the normal's (Cornish and Fisher)."""
-    z = NormalDist().inv_cdf(probability)
-    return z + (z ** 3 + z) / (4 * freedom)
-
-
-@dataclass
-class Verdict:
-    """Outcome of a z-test."""
-
-    worst: float  # largest |z|, over the largest that chance explains: above 1 the null hypothesis falls
-    mean: float  # |z| of the image mean
-    bias: float  # of the image mean, relative
-    detectable: float  # smallest relative bias of the image mean that a z of 3 would show
-
-    def __str__(self):
-        return (f"worst block {self.worst:.2f} of the limit, image z {self.mean:.2f}, "
-                f"bias {self.bias:+.3%}, detectable {self.detectable:.3%}")
-
-
-def compare(samples, reference, tests=1):
-    """z-test of samples (runs, H, W) against the reference; so many `tests` share the false-alarm rate."""
-    runs = len(samples)
-    differences = block_means(samples - reference.mean)
-    error = np.sqrt(differences.var(0, ddof=1) / runs + block_means(reference.variance) / BLOCK ** 2)
-    seen = error > 0
-    limit = student_quantile(1 - FALSE_ALARMS / 2 / tests / seen.sum(), runs - 1)
-    worst = np.abs(differences.mean(0)[seen] / error[seen]).max() / limit
-    assert np.all(differences.mean(0)[~seen] == 0)
-    means = samples.mean((1, 2))
-    expected = reference.mean.mean()
-    error = np.sqrt(means.var(ddof=1) / runs + reference.variance.mean() / reference.variance.size)
-    bias = means.mean() - expected
-    return Verdict(worst, abs(bias) / error, bias / expected, 3 * error / expected)

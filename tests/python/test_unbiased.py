@@ -10,11 +10,14 @@ import struct
 
 import numpy as np
 import pytest
-from direct_light import FALSE_ALARMS, LUMINANCE, LitScene, block_means, student_quantile, write_every_light
+from direct_light import LUMINANCE, LitScene, write_every_light
 from furnace_scenes import run_means, standard_errors_off
+from harness.statistics import LEVEL, block_means
+from harness.unbiased import BLOCK
 from renderer_scenes import GRAPH, restirpg
 from scenes import shapes
 from scenes.gltf import lambert
+from scipy import stats
 
 RUNS, FRAMES = 64, 4
 
@@ -43,13 +46,13 @@ def block_runs(file, seed, backend, **knobs):
     for run in range(1, RUNS + 1):
         renderer.render(FRAMES)
         sums.append(renderer.output("image").astype(float) @ LUMINANCE * run)
-    return block_means(np.diff(sums, axis=0))
+    return block_means(np.diff(sums, axis=0), BLOCK)
 
 
 def worst_block(a, b):
     """Largest |t| over the blocks, as a multiple of what chance explains."""
     error = np.sqrt(a.var(axis=0, ddof=1) / RUNS + b.var(axis=0, ddof=1) / RUNS)
-    limit = student_quantile(1 - FALSE_ALARMS / 2 / error.size, RUNS - 1)
+    limit = stats.t.ppf(1 - LEVEL / 2 / error.size, RUNS - 1)
     return float((np.abs(a.mean(axis=0) - b.mean(axis=0)) / error).max() / limit)
 
 
