@@ -51,10 +51,8 @@ void printResources(const Graph& graph)
     Table table({"resource", "type", "size", "copies", "lifetime"});
     for (const auto& resource : graph.resources()) {
         const auto& type = graph.passes()[resource.pass].interface.outputs()[resource.output].type;
-        table.add(
-            {outputName(graph, resource.pass, resource.output), type.name,
-             type.fixedBytes ? fmt::format("{} B", type.fixedBytes()) : fmt::format("{} B/pixel", type.bytesPerPixel),
-             resource.delayed ? "2" : "1", fmt::format("{} .. {}", resource.firstUse, resource.lastUse)});
+        table.add({outputName(graph, resource.pass, resource.output), type.name, type.sizeText(),
+                   resource.delayed ? "2" : "1", fmt::format("{} .. {}", resource.firstUse, resource.lastUse)});
     }
     fmt::print("\nresources\n{}", table.text());
 }

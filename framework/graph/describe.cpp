@@ -37,12 +37,8 @@ Table inputTable(const Interface& interface)
 Table outputTable(const Interface& interface)
 {
     Table table({"output", "type", "size", "meaning"});
-    for (const auto& output : interface.outputs()) {
-        const auto& type = output.type;
-        const auto size =
-            type.fixedBytes ? fmt::format("{} B", type.fixedBytes()) : fmt::format("{} B/pixel", type.bytesPerPixel);
-        table.add({output.name, type.name, size, output.meaning});
-    }
+    for (const auto& output : interface.outputs())
+        table.add({output.name, output.type.name, output.type.sizeText(), output.meaning});
     return table;
 }
 

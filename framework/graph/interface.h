@@ -20,11 +20,18 @@ struct PortType {
     uint32_t channels = 0;  ///< > 0: a float image (H, W, channels), readable as a NumPy array and writable as an EXR layer
     uint32_t bytesPerPixel = 0;
     std::function<uint64_t()> fixedBytes = {};  ///< when set, bytes of the whole resource, whatever the image size (read after knobs are set)
+    std::function<uint64_t()> pixelBytes = {};  ///< when set, stands for bytesPerPixel: a size that follows a knob (read after knobs are set)
     std::string module = {};  ///< GLSL that comes with the resource (how to read a guide): the reader compiles it in, see In::module
 
     uint64_t bytes(uint32_t width, uint32_t height) const
     {
-        return fixedBytes ? fixedBytes() : uint64_t(bytesPerPixel) * width * height;
+        return fixedBytes ? fixedBytes() : (pixelBytes ? pixelBytes() : bytesPerPixel) * width * height;
+    }
+
+    /// "16 B/pixel" or "1024 B".
+    std::string sizeText() const
+    {
+        return fixedBytes ? std::to_string(fixedBytes()) + " B" : std::to_string(bytes(1, 1)) + " B/pixel";
     }
 };
 
@@ -39,6 +46,13 @@ template <typename T>
 PortType perPixel(const std::string& name)
 {
     return {name, 0, uint32_t(sizeof(T)), {}};
+}
+
+/// As many T a pixel as `count` says: T[height * width][count].
+template <typename T>
+PortType severalPerPixel(const std::string& name, std::function<uint64_t()> count)
+{
+    return {name, 0, 0, {}, [count = std::move(count)] { return sizeof(T) * count(); }};
 }
 
 /// A resource whose size does not follow the image.
@@ -67,7 +81,7 @@ struct In {
 
 template <typename Resource>
 struct Out {
-    Resource* resource = nullptr;  ///< null: nobody reads this output
+    Resource* resource = nullptr;  ///< null: nobody reads this output; already set in Pass::build
     explicit operator bool() const { return resource != nullptr; }
     Resource* operator->() const { return resource; }
 };

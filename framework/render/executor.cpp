@@ -20,6 +20,7 @@ Executor::Executor(Device& device, std::unique_ptr<Graph> graph, uint32_t width,
     for (const auto& edge : graph_->edges())
         graph_->passes()[edge.target].interface.inputs()[edge.input].target->module =
             graph_->passes()[edge.source].interface.outputs()[edge.output].type.module;
+    connect();
     for (uint32_t pass : graph_->order())
         graph_->passes()[pass].pass->build(device_);
 }

@@ -5,6 +5,7 @@
 #include "labels.glsl"
 #include "light_reservoir.glsl"
 #include "path_reservoir_types.h"
+#include "path_vertex.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PathReservoirArray { PathReservoir at[]; };
 
@@ -36,17 +37,6 @@ uint set_path_label(uint labels, uint bounce, uint label)
 {
     uint shift = 2u * bounce - 2u;
     return (labels & ~(3u << shift)) | (label << shift);
-}
-
-/// A unit direction in 32 bits, octahedral. A direction is packed before it is traced, so that a copy of it is exact.
-uint pack_direction(vec3 w)
-{
-    return packSnorm2x16(encode_octahedral(w));
-}
-
-vec3 unpack_direction(uint bits)
-{
-    return decode_octahedral(unpackSnorm2x16(bits));
 }
 
 /// May the edge between two surface vertices reconnect? By the labels of its two ends and its length (O3).

@@ -27,6 +27,8 @@ struct Tree {
 PathReservoir kept;
 float weight_sum;
 
+#include "training.glsl"
+
 /// P(l) Q_l(wi): density of scatter with label l, 1/sr; the mixture with the guide for the smooth label. Delta labels: 0.
 float label_density(Vertex v, uint label, vec3 local, vec3 wi)
 {
@@ -53,14 +55,22 @@ vec3 label_shares(Vertex v, vec3 local)
     return shares / max(shares.x + shares.y + shares.z, 1e-30);
 }
 
-/// Weigh a whole path against those before it.
-void offer(PathReservoir path, float weight, float u)
+/// Weigh a whole path against those before it. `last` is its last bounce.
+void offer(PathReservoir path, float weight, float u, PathVertex last)
 {
     if (!(weight > 0.0) || isinf(weight))
         return;
     weight_sum += weight;
-    if (u * weight_sum <= weight)
+    if (u * weight_sum <= weight) {
         kept = path;
+        keep_last_vertex(last);
+    }
+}
+
+/// The bounce of `label` in direction wi, as guides are trained on it.
+PathVertex record_bounce(Vertex v, uint label, vec3 wi, vec3 value)
+{
+    return label == LABEL_SMOOTH ? make_path_vertex(v.point.position, v.point.normal, v.material, wi, luminance(value)) : no_path_vertex();
 }
 
 /// The path that leaves the tree's vertex x_u with `label` in direction wi and ends on the light at `e`. `value` is the last
@@ -109,7 +119,10 @@ void offer_light_sample(Tree tree, Vertex v, uint u, RandomKey key, RandomKey ch
     float density = e.light_pdf / e.jacobian * shares[label] + (e.delta ? 0.0 : label_density(v, label, local, e.wi));
     vec3 beyond = e.radiance * transmittance_leaving(p, e.wi, e.distance);
     PathReservoir path = end_path(tree, u, label, e.wi, value, beyond, point, e.jacobian);
-    offer(path, luminance(path.f) * tree.inverse_pdf / density, numbers.y);
+    PathVertex last = record_bounce(v, label, e.wi, value);
+    set_final(last, true);
+    offer(path, luminance(path.f) * tree.inverse_pdf / density, numbers.y, last);
+    note_light(u, value * beyond / density);
 }
 
 /// A scattered direction with its label: what the tree takes along an edge.
@@ -169,7 +182,10 @@ void offer_found_light(Tree tree, Vertex v, uint u, Scattered s, LightPoint poin
         path.shape = path_shape(u + 1u, 0u);  // nothing connects through a delta
         path.geometry = 1.0;
     }
-    offer(path, luminance(path.f) * tree.inverse_pdf / density, random4(choices, u, 0u).z);
+    PathVertex last = record_bounce(v, s.label, s.wi, s.value);
+    set_final(last, false);
+    offer(path, luminance(path.f) * tree.inverse_pdf / density, random4(choices, u, 0u).z, last);
+    note_light(u + 1u, radiance * (s.density / density));
 }
 
 /// Note the bounce in the path: label, direction, replay density, and the reconnection if this edge's end is the first that can.
@@ -211,17 +227,20 @@ void trace_tree(Hit hit, uvec2 at)
         vec3 side = dot(v.point.normal, s.wi) > 0.0 ? v.point.normal : -v.point.normal;
         bool found = trace_closest(offset_origin(v.point.position, side), s.wi, RAY_INFINITY, hit, t);
         bool owned = u > 1u || s.delta;
+        PathVertex bounce = record_bounce(v, s.label, s.wi, s.value);
         if (!found) {
+            vec3 absorption = transmittance_leaving(v.point, s.wi, INFINITE_DISTANCE);
             vec3 radiance = environment_radiance(s.wi);
+            note_bounce(u, bounce, s.value / s.density, absorption, s.density, INFINITE_DISTANCE);
             if (owned && radiance != vec3(0.0))
-                offer_found_light(tree, v, u, s, point_in_environment(s.wi), radiance,
-                                  transmittance_leaving(v.point, s.wi, INFINITE_DISTANCE), choices);
+                offer_found_light(tree, v, u, s, point_in_environment(s.wi), radiance, absorption, choices);
             return;
         }
         surface = load_surface(hit, false);
         Vertex next = make_vertex(surface, -s.wi, at, u + 1u);
         vec3 absorption = transmittance_between(v.point, s.wi, t, next.point);
         vec3 emission = triangle_emission(hit.instance, hit.triangle, hit.barycentrics, next.point.front);
+        note_bounce(u, bounce, s.value / s.density, absorption, s.density, t);
         if (owned && emission != vec3(0.0))
             offer_found_light(tree, v, u, s, point_on_triangle(hit.instance, hit.triangle, hit.barycentrics), emission, absorption,
                               choices);
@@ -252,10 +271,13 @@ void main()
     uint pixel = at.y * frame.c.size.x + at.x;
     kept = empty_path_reservoir(1.0);
     weight_sum = 0.0;
+    begin_training();
     Hit hit = HitArray(params.surface).at[pixel];
     if (hit.instance != INVALID_INDEX)
         trace_tree(hit, at);
     kept.confidence = 1.0;
     kept.ucw = weight_sum > 0.0 ? weight_sum / luminance(kept.f) : 0.0;
-    PathReservoirArray(params.candidates).at[pixel] = kept;
+    if (params.candidates != 0ul)
+        PathReservoirArray(params.candidates).at[pixel] = kept;
+    write_training(pixel);
 }

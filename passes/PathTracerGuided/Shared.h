@@ -1,4 +1,4 @@
-// Parameters of PathTracerGuided.comp.
+// Parameters of the kernels of PathTracerGuided.
 #ifndef RESTIRPG_PATH_TRACER_GUIDED_SHARED_H
 #define RESTIRPG_PATH_TRACER_GUIDED_SHARED_H
 #include "shaders/frame_types.h"
@@ -10,6 +10,8 @@ struct PathTracerParameters {
     Address radiance;  ///< vec3 a pixel; 0: nobody reads it
     Address candidates;  ///< PathReservoir a pixel; 0: nobody reads it
     Address guide;  ///< what the guide's module reads; 0: no guide
+    Address vertices;  ///< PathVertex, stride a pixel; 0: nobody reads them
+    Address samples;  ///< GuidingSample, stride a pixel; 0: nobody reads them
     uint bounces;  ///< the bounce cap n: paths of at most n + 2 edges
     uint nextEventEstimation;  ///< 1: connect every vertex to a light, weighted against scattering
     uint direct;  ///< 1: direct light at the primary hit is part of the result

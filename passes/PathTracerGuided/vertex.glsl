@@ -8,6 +8,7 @@
 /// Where a path scatters, and what guides it there.
 struct Vertex {
     ShadingPoint point;
+    uint material;
     bool guided;
     Guide guide;
 };
@@ -16,6 +17,7 @@ Vertex make_vertex(Surface surface, vec3 wo, uvec2 pixel, uint bounce)
 {
     Vertex v;
     v.point = shade_surface(surface, wo);
+    v.material = surface.material;
     v.guided = false;
 #if GUIDED
     bool guidable = params.guide != 0ul && label_lobes(v.point.bsdf, LABEL_SMOOTH) != 0u;

@@ -1,5 +1,6 @@
 #include "Shared.h"
 #include "render/frame.h"
+#include "shaders/path_vertex_types.h"
 
 #include <algorithm>
 
@@ -29,8 +30,15 @@ public:
         io.optionalInput("previous_surface", previousSurface_, perPixel<Hit>("Surface"),
                          "the surface one frame ago: prev(\"gbuffer.surface\")");
         io.optionalInput("history", history_, reservoir, "the output reservoirs, one frame ago: prev(\"reuse.reservoirs\")");
+        const PortType vertices = severalPerPixel<PathVertex>("PathVertices", [this] { return bounces_ + 1; });
+        io.optionalInput("candidate_vertices", candidateVertices_, vertices, "the bounces of the candidates; needed by the output vertices");
+        io.optionalInput("history_vertices", historyVertices_, vertices,
+                         "the output vertices, one frame ago: prev(\"reuse.vertices\"); needed by the output vertices under temporal reuse");
         io.output("radiance", radiance_, image(3), "light of the chosen path, W/sr/m^2");
         io.output("reservoirs", reservoirs_, reservoir, "the path that each pixel ends the frame with");
+        io.output("vertices", vertices_, vertices, "the bounces of that path as it stands in this pixel, bounces + 1 a pixel");
+        io.knob("bounces", bounces_, 0, 64, "bounce cap of the candidates: the vertices' count a pixel follows it");
+        io.structural();
         io.knob("temporal", temporal_, "merge with the pixel of the frame before");
         io.knob("cap", cap_, 1, 1000, "confidence of the history, at most, times that of the pixel's own candidate (Lin et al. 2022: 20)");
         io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
@@ -50,69 +58,103 @@ public:
         temporalKernel_ = Kernel(device, passFile("Temporal.comp"), defines);
         spatialKernel_ = Kernel(device, passFile("Spatial.comp"), defines);
         shadeKernel_ = Kernel(device, passFile("Shade.comp"));
+        if (vertices_)
+            verticesKernel_ = Kernel(device, passFile("Vertices.comp"));
     }
 
     void record(Frame& frame) override
     {
-        const int temporalInputs = int(bool(motion_)) + int(bool(previousSurface_)) + int(bool(history_));
-        if (temporalInputs != 0 && temporalInputs != 3)
-            fail("ReSTIRReuse: temporal reuse needs all of motion, previous_surface and history; wire them all or none");
-        const float scale = float(frame.height()) / RADIUS_LINES;
-        ReuseParameters parameters{frame.constants(),
-                                   surface_->address(),
-                                   addressOf(previousSurface_),
-                                   addressOf(motion_),
-                                   candidates_->address(),
-                                   addressOf(history_),
-                                   0,
-                                   addressOf(radiance_),
-                                   cap_,
-                                   std::max(radius_ * scale, LEAST_RADIUS),
-                                   normalThreshold_,
-                                   depthThreshold_,
-                                   neighbours_,
-                                   0};
-        // Each stage reads one buffer and writes another; the last one writes the output.
+        checkWiring();
+        ReuseParameters parameters = makeParameters(frame);
+        // Each stage reads one set of paths and writes another; the last one writes the output.
         uint32_t stage = rounds_;
-        parameters.reservoirs = buffer(frame, stage);
         const bool temporal = temporal_ && history_ && !history_.empty;
         if (temporal) {
+            setDestination(parameters, frame, stage);
             frame.dispatchPixels(temporalKernel_, parameters);
-            parameters.source = parameters.reservoirs;
+            takeAsSource(parameters);
         }
         for (parameters.round = 0; parameters.round < rounds_; ++parameters.round) {
-            parameters.reservoirs = buffer(frame, --stage);
+            setDestination(parameters, frame, --stage);
             frame.dispatchPixels(spatialKernel_, parameters);
-            parameters.source = parameters.reservoirs;
+            takeAsSource(parameters);
         }
-        if (!temporal && rounds_ == 0)
-            frame.copy(*candidates_.resource, output(frame));
-        if (radiance_) {
-            parameters.source = !temporal && rounds_ == 0 ? candidates_->address() : parameters.source;
+        if (!temporal && rounds_ == 0) {
+            if (reservoirs_)
+                frame.copy(*candidates_.resource, *reservoirs_.resource);
+            if (vertices_)
+                frame.copy(*candidateVertices_.resource, *vertices_.resource);
+        }
+        if (radiance_)
             frame.dispatchPixels(shadeKernel_, parameters);
+        if (vertices_) {
+            parameters.vertices = vertices_->address();
+            frame.dispatchPixels(verticesKernel_, parameters);
         }
     }
 
 private:
-    /// Where a stage writes that still has `left` stages after it: the output for the last, else one of two buffers of our own.
-    Address buffer(const Frame& frame, uint32_t left)
+    void checkWiring() const
     {
-        return left == 0 ? output(frame).address() : scratch(frame, left % 2).address();
+        const int temporalInputs = int(bool(motion_)) + int(bool(previousSurface_)) + int(bool(history_));
+        if (temporalInputs != 0 && temporalInputs != 3)
+            fail("ReSTIRReuse: temporal reuse needs all of motion, previous_surface and history; wire them all or none");
+        if (!vertices_)
+            return;
+        if (!candidateVertices_ || (history_ && !historyVertices_))
+            fail("ReSTIRReuse: the output 'vertices' needs candidate_vertices and, with history, history_vertices; wire them");
+        if (candidateVertices_->bytes() != vertices_->bytes())
+            fail("ReSTIRReuse: the knob 'bounces' ({}) is not that of the pass that makes the candidates; give both the same", bounces_);
     }
 
-    /// The output when somebody reads it, else a buffer of our own.
-    const Buffer& output(const Frame& frame) { return reservoirs_ ? *reservoirs_.resource : scratch(frame, 2); }
-
-    const Buffer& scratch(const Frame& frame, uint32_t index)
+    ReuseParameters makeParameters(const Frame& frame) const
     {
-        const uint64_t bytes = uint64_t(frame.width()) * frame.height() * sizeof(PathReservoir);
-        if (scratch_[index].bytes() < bytes)
-            scratch_[index] = device_->createBuffer(bytes, "path reservoirs");
-        return scratch_[index];
+        ReuseParameters p{};
+        p.frame = frame.constants();
+        p.surface = surface_->address();
+        p.previousSurface = addressOf(previousSurface_);
+        p.motion = addressOf(motion_);
+        p.source = candidates_->address();
+        p.history = addressOf(history_);
+        p.radiance = addressOf(radiance_);
+        p.vertexSource = addressOf(candidateVertices_);
+        p.vertexHistory = addressOf(historyVertices_);
+        p.cap = cap_;
+        p.radius = std::max(radius_ * float(frame.height()) / RADIUS_LINES, LEAST_RADIUS);
+        p.normalThreshold = normalThreshold_;
+        p.depthThreshold = depthThreshold_;
+        p.neighbours = neighbours_;
+        p.stride = bounces_ + 1;
+        return p;
     }
 
-    In<Buffer> surface_, candidates_, motion_, previousSurface_, history_;
-    Out<Buffer> radiance_, reservoirs_;
+    /// Where a stage writes that still has `left` stages after it: the outputs for the last, else one of two sets of buffers of our own.
+    void setDestination(ReuseParameters& parameters, const Frame& frame, uint32_t left)
+    {
+        const uint64_t pixels = uint64_t(frame.width()) * frame.height();
+        const uint32_t own = left == 0 ? 2 : left % 2;
+        parameters.reservoirs = left == 0 && reservoirs_ ? reservoirs_->address() : scratch(scratch_[own], pixels * sizeof(PathReservoir));
+        if (vertices_)
+            parameters.vertices =
+                left == 0 ? vertices_->address() : scratch(vertexScratch_[own], pixels * parameters.stride * sizeof(PathVertex));
+    }
+
+    static void takeAsSource(ReuseParameters& parameters)
+    {
+        parameters.source = parameters.reservoirs;
+        parameters.vertexSource = parameters.vertices;
+    }
+
+    Address scratch(Buffer& buffer, uint64_t bytes)
+    {
+        if (buffer.bytes() < bytes)
+            buffer = device_->createBuffer(bytes, "paths between two stages of reuse");
+        return buffer.address();
+    }
+
+    In<Buffer> surface_, candidates_, motion_, previousSurface_, history_, candidateVertices_, historyVertices_;
+    Out<Buffer> radiance_, reservoirs_, vertices_;
+    uint32_t bounces_ = 4;
     bool temporal_ = true;
     float cap_ = 20;
     uint32_t rounds_ = 1;
@@ -122,8 +164,8 @@ private:
     float depthThreshold_ = 0.1f;
     std::string fault_ = "none";
     Device* device_ = nullptr;
-    Buffer scratch_[3];
-    Kernel temporalKernel_, spatialKernel_, shadeKernel_;
+    Buffer scratch_[3], vertexScratch_[2];
+    Kernel temporalKernel_, spatialKernel_, shadeKernel_, verticesKernel_;
 };
 
 }  // namespace restirpg

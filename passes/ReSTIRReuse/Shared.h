@@ -14,12 +14,16 @@ struct ReuseParameters {
     Address history;  ///< PathReservoir a pixel, one frame ago
     Address reservoirs;  ///< PathReservoir a pixel, written
     Address radiance;  ///< vec3 a pixel; 0: nobody reads it
+    Address vertexSource;  ///< PathVertex of `source`, stride a pixel; 0: nobody reads vertices
+    Address vertexHistory;  ///< PathVertex of `history`
+    Address vertices;  ///< PathVertex of `reservoirs`, written
     float cap;  ///< confidence of the history, at most, times that of the pixel's own
     float radius;  ///< pixels
     float normalThreshold;
     float depthThreshold;
     uint neighbours;
     uint round;
+    uint stride;  ///< vertices a pixel
 };
 
 RESTIRPG_CONST MAX_REUSE_NEIGHBOURS = 16u;

@@ -41,14 +41,14 @@ float pairwise_share(float neighbours_confidence, float there, float centre_conf
     return share > 0.0 ? share / (share + centre_confidence * here) : 0.0;
 }
 
-PathReservoir merge_neighbours(uvec2 at, Hit hit, PathReservoir own, Neighbours n)
+Choice merge_neighbours(uvec2 at, Hit hit, Choice kept, Neighbours n)
 {
+    PathReservoir own = kept.path;
+    uint centre = kept.owner;
     ShadingPoint here = load_domain(hit, false);
     float total = own.confidence + n.confidence;
-    PathReservoir kept = own;
     float own_target = luminance(own.f);
     float own_weight = own.confidence / total;
-    float sum = 0.0;
     for (uint i = 0u; i < n.count; ++i) {
         PathReservoir r = PathReservoirArray(params.source).at[n.pixel[i]];
         ShadingPoint there = load_domain(HitArray(params.surface).at[n.pixel[i]], false);
@@ -60,11 +60,12 @@ PathReservoir merge_neighbours(uvec2 at, Hit hit, PathReservoir own, Neighbours 
             continue;
         float target = luminance(shifted.f);
         float weight = part * pairwise_share(n.confidence, luminance(r.f) / jacobian, own.confidence, target) * target * jacobian * r.ucw;
-        choose(kept, sum, shifted, weight, random1(reuse_key(at), params.round, 2u * i + 1u));
+        choose(kept, shifted, n.pixel[i], weight, random1(reuse_key(at), params.round, 2u * i + 1u));
     }
     // The centre comes last: its weight is known only now.
-    choose(kept, sum, own, own_weight * own_target * own.ucw, random1(reuse_key(at), params.round, 2u * MAX_REUSE_NEIGHBOURS));
-    return finish_merge(kept, sum, total);
+    choose(kept, own, centre, own_weight * own_target * own.ucw, random1(reuse_key(at), params.round, 2u * MAX_REUSE_NEIGHBOURS));
+    finish_merge(kept, total);
+    return kept;
 }
 
 void main()
@@ -75,11 +76,12 @@ void main()
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
     Hit hit = HitArray(params.surface).at[pixel];
-    PathReservoir r = PathReservoirArray(params.source).at[pixel];
+    Choice kept = Choice(PathReservoirArray(params.source).at[pixel], 0.0, pixel);
     if (hit.instance != INVALID_INDEX) {
         Neighbours n = find_neighbours(at, hit);
         if (n.count > 0u)
-            r = merge_neighbours(at, hit, r, n);
+            kept = merge_neighbours(at, hit, kept, n);
     }
-    PathReservoirArray(params.reservoirs).at[pixel] = r;
+    PathReservoirArray(params.reservoirs).at[pixel] = kept.path;
+    copy_vertices(params.vertexSource, kept.owner, params.vertices, pixel, params.stride);
 }

@@ -19,23 +19,26 @@ bool find_history(uvec2 at, Hit hit, out uint pixel)
                       params.depthThreshold);
 }
 
-PathReservoir merge_history(uvec2 at, Hit hit, PathReservoir own, uint before)
+/// Owners of a merged path.
+const uint OWN = 0u;
+const uint HISTORY = 1u;
+
+Choice merge_history(uvec2 at, Hit hit, PathReservoir own, uint before)
 {
+    Choice kept = Choice(own, 0.0, OWN);
     PathReservoir history = PathReservoirArray(params.history).at[before];
     float uncapped = history.confidence;
     history.confidence = min(history.confidence, params.cap * own.confidence);
     float mis_confidence = RESTIRPG_FAULT == REUSE_FAULT_CAP ? uncapped : history.confidence;
     if (RESTIRPG_FAULT == REUSE_FAULT_CONFIDENCE && history.ucw <= 0.0)
-        return own;
+        return kept;
     ShadingPoint here = load_domain(hit, false);
     ShadingPoint there = load_domain(HitArray(params.previousSurface).at[before], true);
 
-    PathReservoir kept = own;
-    float sum = 0.0;
     if (own.ucw > 0.0) {
         float target = luminance(own.f);
         float own_share = own.confidence * target;
-        sum = own_share / (own_share + mis_confidence * target_in(own, there)) * target * own.ucw;
+        kept.sum = own_share / (own_share + mis_confidence * target_in(own, there)) * target * own.ucw;
     }
     PathReservoir shifted;
     float jacobian;
@@ -43,9 +46,10 @@ PathReservoir merge_history(uvec2 at, Hit hit, PathReservoir own, uint before)
         float target = luminance(shifted.f);
         float there_share = mis_confidence * luminance(history.f) / (RESTIRPG_FAULT == REUSE_FAULT_MIS ? 1.0 : jacobian);
         float weight = there_share / (there_share + own.confidence * target) * target * jacobian * history.ucw;
-        choose(kept, sum, shifted, weight, random1(reuse_key(at), TEMPORAL_ROUND, 1u));
+        choose(kept, shifted, HISTORY, weight, random1(reuse_key(at), TEMPORAL_ROUND, 1u));
     }
-    return finish_merge(kept, sum, own.confidence + history.confidence);
+    finish_merge(kept, own.confidence + history.confidence);
+    return kept;
 }
 
 void main()
@@ -56,9 +60,13 @@ void main()
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
     Hit hit = HitArray(params.surface).at[pixel];
-    PathReservoir r = PathReservoirArray(params.source).at[pixel];
+    Choice kept = Choice(PathReservoirArray(params.source).at[pixel], 0.0, OWN);
     uint before;
     if (hit.instance != INVALID_INDEX && find_history(at, hit, before))
-        r = merge_history(at, hit, r, before);
-    PathReservoirArray(params.reservoirs).at[pixel] = r;
+        kept = merge_history(at, hit, kept.path, before);
+    PathReservoirArray(params.reservoirs).at[pixel] = kept.path;
+    if (kept.owner == OWN)
+        copy_vertices(params.vertexSource, pixel, params.vertices, pixel, params.stride);
+    else
+        copy_vertices(params.vertexHistory, before, params.vertices, pixel, params.stride);
 }

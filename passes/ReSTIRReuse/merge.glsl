@@ -48,23 +48,40 @@ float target_in(PathReservoir y, ShadingPoint x1)
     return shift_to(y, x1, shifted, jacobian) ? luminance(shifted.f) * jacobian : 0.0;
 }
 
+/// The path that a merge has kept so far, and whose it was.
+struct Choice {
+    PathReservoir path;
+    float sum;  ///< of resampling weights
+    uint owner;
+};
+
 /// Take the path with this resampling weight instead of the kept one, or not.
-void choose(inout PathReservoir kept, inout float sum, PathReservoir path, float weight, float u)
+void choose(inout Choice kept, PathReservoir path, uint owner, float weight, float u)
 {
     if (!(weight > 0.0) || isinf(weight))
         return;
-    sum += weight;
-    if (u * sum < weight)
-        kept = path;
+    kept.sum += weight;
+    if (u * kept.sum < weight) {
+        kept.path = path;
+        kept.owner = owner;
+    }
 }
 
 /// Close a merge: the kept path's contribution weight, and all participants' confidence.
-PathReservoir finish_merge(PathReservoir kept, float sum, float confidence)
+void finish_merge(inout Choice kept, float confidence)
 {
-    float target = luminance(kept.f);
-    kept.ucw = sum > 0.0 && target > 0.0 ? sum / target : 0.0;
-    kept.confidence = confidence;
-    return kept;
+    float target = luminance(kept.path.f);
+    kept.path.ucw = kept.sum > 0.0 && target > 0.0 ? kept.sum / target : 0.0;
+    kept.path.confidence = confidence;
+}
+
+/// The kept path's vertices go with it. Those before its reconnection are still the owner's: Vertices.comp replaces them.
+void copy_vertices(Address from, uint owner, Address to, uint pixel, uint stride)
+{
+    if (to == 0ul)
+        return;
+    for (uint i = 0u; i < stride; ++i)
+        PathVertexArray(to).at[pixel * stride + i] = PathVertexArray(from).at[owner * stride + i];
 }
 
 #endif

@@ -3,6 +3,7 @@
 #include "gpu/shader.h"
 #include "shaders/double_single_types.h"
 #include "shaders/frame_types.h"
+#include "shaders/path_vertex_types.h"
 
 #include "../../passes/Accumulate/Shared.h"
 #include "../../passes/ErrorMeasure/Shared.h"
@@ -85,12 +86,15 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(ErrorMeasureParameters, frame, image, reference, lanes, total, map, errors),
     LAYOUT(GBufferParameters, frame, surface, emission, normal, geometricNormal, albedo, depth, motion, material,
            jitter),
-    LAYOUT(PathTracerParameters, frame, surface, radiance, candidates, guide, bounces, nextEventEstimation, direct,
+    LAYOUT(PathTracerParameters, frame, surface, radiance, candidates, guide, vertices, samples, bounces, nextEventEstimation, direct,
            alpha),
     LAYOUT(PathReservoir, f, ucw, confidence, shape, labels, pixel, frame, prefix, sharpPdf, anchor, place, direction,
            geometry, suffix),
-    LAYOUT(ReuseParameters, frame, surface, previousSurface, motion, source, history, reservoirs, radiance, cap, radius,
-           normalThreshold, depthThreshold, neighbours, round),
+    LAYOUT(PathVertex, position, direction, surface),
+    LAYOUT(GuidingSample, vertex, weight, distance),
+    LAYOUT(ReuseParameters, frame, surface, previousSurface, motion, source, history, reservoirs, radiance,
+           vertexSource, vertexHistory, vertices, cap, radius, normalThreshold, depthThreshold, neighbours, round,
+           stride),
     LAYOUT(LightPoint, instance, index, place),
     LAYOUT(LightReservoir, point, ucw, confidence, target),
     LAYOUT(ReSTIRDIParameters, frame, surface, previousSurface, motion, history, source, reservoirs, radiance,
@@ -107,7 +111,7 @@ std::string kernelText()
             layout.name);
         uses += fmt::format("    {0}Array(address).at[0] = {0}Array(address).at[1];\n", layout.name);
     }
-    std::string includes = "#include \"prelude.glsl\"\n#include \"double_single_types.h\"\n";
+    std::string includes = "#include \"prelude.glsl\"\n#include \"double_single_types.h\"\n#include \"path_vertex_types.h\"\n";
     for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "PathTracerGuided", "ReSTIRDI", "ReSTIRReuse"})
         includes += fmt::format("#include \"{}/passes/{}/Shared.h\"\n", RESTIRPG_SOURCE, pass);
     return "#version 460\n" + includes +

@@ -1,0 +1,72 @@
+// The bounces of each pixel's chosen path as it stands in this pixel. Those from the reconnection vertex on came along with the reservoir;
+// those before it are walked again, without random decisions or visibility: the shift that brought the path here has tested it.
+#version 460
+#include "prelude.glsl"
+#include "merge.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform Push { ReuseParameters params; };
+
+/// The direction in which the path leaves x_{k-1}.
+vec3 direction_to_anchor(PathReservoir r, vec3 from)
+{
+    if (reconnection_index(r) == path_edges(r))
+        return edge_to_light(anchored_light(r), from, false).wi;
+    return normalize(load_surface(anchored_hit(r), false).position - from);
+}
+
+/// Bounce u at `slot`; what is known of its last edge stays as it was.
+void write_bounce(uint slot, uint label, uint material, ShadingPoint p, vec3 wi, vec3 value)
+{
+    PathVertexArray vertices = PathVertexArray(params.vertices);
+    uint flags = vertices.at[slot].surface & (VERTEX_FINAL | VERTEX_LIGHT_SAMPLED);
+    PathVertex v = no_path_vertex();
+    if (label == LABEL_SMOOTH) {
+        v = make_path_vertex(p.position, p.normal, material, wi, luminance(value));
+        v.surface |= flags;
+    }
+    vertices.at[slot] = v;
+}
+
+void write_prefix(PathReservoir r, Hit hit, uint first)
+{
+    uint edges = path_edges(r);
+    uint k = reconnection_index(r);
+    uint replayed = k > 0u ? k - 2u : edges - 1u;
+    PartialPath path = PartialPath(load_domain(hit, false), vec3(1.0), 1.0);
+    uint material = load_surface(hit, false).material;
+    for (uint u = 1u; u <= replayed; ++u) {
+        vec3 wi;
+        path.f = vec3(1.0);
+        if (!replay_bounce(r, u, path, wi))
+            return;
+        write_bounce(first + u - 1u, path_label(r.labels, u), material, path.point, wi, path.f);
+        float t;
+        if (u == edges - 1u || !trace_closest(offset_origin(path.point.position, side_towards(path.point, wi)), wi, RAY_INFINITY, hit, t))
+            return;
+        Surface surface = load_surface(hit, false);
+        path.point = shade_surface(surface, -wi);
+        material = surface.material;
+    }
+    ShadingPoint p = path.point;
+    uint label = path_label(r.labels, k - 1u);
+    vec3 wi = direction_to_anchor(r, p.position);
+    vec3 local = to_local(p.local_frame, wi);
+    write_bounce(first + k - 2u, label, material, p, wi, bsdf_eval(p.bsdf, p.wo, local, label_lobes(p.bsdf, label)) * abs(local.z));
+}
+
+void main()
+{
+    frame = FrameRef(params.frame);
+    uvec2 at = gl_GlobalInvocationID.xy;
+    if (any(greaterThanEqual(at, frame.c.size)))
+        return;
+    uint pixel = at.y * frame.c.size.x + at.x;
+    PathReservoir r = PathReservoirArray(params.source).at[pixel];
+    if (r.ucw > 0.0) {
+        write_prefix(r, HitArray(params.surface).at[pixel], pixel * params.stride);
+        return;
+    }
+    for (uint i = 0u; i < params.stride; ++i)
+        PathVertexArray(params.vertices).at[pixel * params.stride + i] = no_path_vertex();
+}
