@@ -61,8 +61,9 @@ class Verdict:
     def __str__(self):
         return (
             f"ratio {1 + self.image.difference:.4f} +- {self.image.se:.4f}, image z {self.mean:.2f}, "
-            f"detectable {self.detectable:.3%}; largest |z| of {self.z.size} blocks {np.abs(self.z).max():.2f}, limit "
-            f"{self.limit:.2f}, detectable {self.detectable_block:.2%}; KS p {self.normality:.2g}"
+            f"detectable {self.detectable:.3%}; largest |z| of {self.z.size} blocks "
+            f"{np.abs(self.z).max():.2f}, limit {self.limit:.2f}, detectable {self.detectable_block:.2%}; "
+            f"KS p {self.normality:.2g}"
         )
 
 
@@ -72,7 +73,7 @@ def run_seed(run, *parts):
 
 
 def frames_of_run(renderer, seed, frames, before_frame=None, output="radiance"):
-    """Luminance, (len(frames), H, W), of the frames (ascending, counted from 1) of one run without history.
+    """Luminance, (len(frames), H, W), of the frames (ascending, counted from 1) of one run.
 
     `output` shows one frame, no mean over frames. `before_frame`(renderer, k) may move the camera or nodes.
     """
@@ -97,7 +98,7 @@ def independent_runs(renderer, runs, frames, before_frame=None, output="radiance
 
 
 def compare(samples, reference, tests=1, block=BLOCK):
-    """Verdict on samples (runs, H, W) of one frame number; so many such `tests` share the false-alarm rate."""
+    """Verdict on samples (runs, H, W) of one frame number; so many `tests` share the false-alarm rate."""
     runs = len(samples)
     expected = reference.mean.mean()
     differences = block_means(samples - reference.mean, block)

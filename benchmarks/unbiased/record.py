@@ -1,0 +1,158 @@
+#!/usr/bin/python3
+"""Record whether a method is unbiased: many independent runs against the path tracer, tested by block means.
+
+    benchmarks/unbiased/record.py GRAPH[@SETTING=VALUE,...] --scene NAME|FILE [--size 48x48]
+        [--frames 1,2,8,32] [--runs 400] [--circle 0.02] [--markdown FILE] [--json FILE]
+
+Frame k of each run is one sample of every pixel; the reference is the path tracer with the same bounce cap
+and pixel-centre jitter off, seen from where the camera stands at frame k. Null hypothesis: every block of 4 x
+4 pixels has the reference's mean. Largest |z| against Student's t at 1%, Bonferroni over blocks and k;
+printed with the ratio of the image means, the smallest biases that would have been found with a probability
+of 80%, and Kolmogorov and Smirnov's p of the scores. Finished runs are kept in --out: the same command goes
+on where it was interrupted, and --seconds spreads it. Exit code: 0; 1 when a bias was found; 2 for a mistake
+in what was asked; 130 after Ctrl-C.
+"""
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from report import as_json, as_markdown, findings_of  # noqa: E402
+from runs import Case, MethodRuns, Motion, ReferenceBatches  # noqa: E402
+
+from harness import UserError, render  # noqa: E402
+from harness.jobs import parse_method  # noqa: E402
+from harness.unbiased import compare  # noqa: E402
+from scenes import SCENES  # noqa: E402
+
+
+def size(text):
+    """`WxH` in pixels."""
+    width, _, height = text.partition("x")
+    edges = [int(edge) for edge in (width, height) if edge.isdigit()]
+    if len(edges) != 2 or any(edge < 4 or edge % 4 for edge in edges):
+        raise argparse.ArgumentTypeError(f"'{text}' is not WIDTHxHEIGHT in multiples of 4, as in 48x48")
+    return tuple(edges)
+
+
+def frame_numbers(text):
+    """`K,K,...`, ascending, counted from 1."""
+    parts = text.split(",")
+    numbers = tuple(int(part) for part in parts if part.isdigit())
+    if len(numbers) != len(parts) or numbers != tuple(sorted(set(numbers))) or numbers[0] < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is no ascending list of frames from 1 on, as in 1,2,8,32")
+    return numbers
+
+
+def several(text):
+    """A whole number of at least 2."""
+    if not text.isdigit() or int(text) < 2:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least 2")
+    return int(text)
+
+
+def parse(arguments):
+    """The command line as a namespace."""
+    form = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
+    add = parser.add_argument
+    add("method", metavar="GRAPH[@SETTING=VALUE,...]", help="as scripts/compare.py takes it")
+    add("--scene", required=True, metavar="NAME|FILE", help="an embedded scene, or a .glb or .gltf file")
+    add("--size", type=size, default=(48, 48), metavar="WxH", help="pixels, multiples of 4 (48x48)")
+    add("--frames", type=frame_numbers, default=(1, 2, 8, 32), metavar="K,K,...",
+        help="samples of a run (1,2,8,32)")
+    add("--runs", type=several, default=400, help="independent runs (%(default)s)")
+    add("--bounces", type=int, help="bounce cap of method and reference (the scene's, or the graph's own)")
+    add("--circle", type=float, default=0.0, metavar="M",
+        help="move the camera in a circle of this radius, 6 frames a turn")
+    add("--fps", type=float, default=0.0, help="play the scene's animation, frames a second")
+    add("--reference-batches", type=several, default=64, metavar="N",
+        help="independent parts of the reference (%(default)s)")
+    add("--batch-frames", type=several, default=256, metavar="N",
+        help="samples a pixel of each part (%(default)s)")
+    add("--seconds", type=float, default=float("inf"),
+        help="test what there is after so long; the next call goes on")
+    add("--out", type=Path, default=ROOT / "out" / "unbiased", help="folder of finished runs (out/unbiased)")
+    add("--markdown", type=Path, help="file to append the table to")
+    add("--json", type=Path, help="file to write the numbers to")
+    return parser.parse_args(arguments)
+
+
+def scene_file(name, folder):
+    """The scene's file; an embedded one is written first."""
+    if name in SCENES:
+        folder.mkdir(parents=True, exist_ok=True)
+        return Path(SCENES[name]().write(folder))
+    if not Path(name).is_file():
+        raise UserError(f"{name}: neither a file nor an embedded scene; make_scenes.py --list names those")
+    return Path(name)
+
+
+def grow(what, source, count, deadline):
+    """Render until there are `count` samples, or until the time is up, but never fewer than two."""
+    if len(source.samples) < count:
+        source.samples.note_session()
+    while len(source.samples) < count and (len(source.samples) < 2 or time.monotonic() < deadline):
+        source.add()
+        print(f"\r{what}: {len(source.samples)} of {count}", end="", file=sys.stderr, flush=True)
+    print(f"\r{what}: {len(source.samples)} of {count}", file=sys.stderr)
+
+
+def record(options):
+    """Render what is missing, test, print and write. Returns the exit code."""
+    deadline = time.monotonic() + options.seconds
+    case = Case(parse_method(options.method), scene_file(options.scene, options.out / "scenes"), options.size,
+                options.bounces, options.frames, Motion(options.circle, options.fps))
+    method = MethodRuns(case, options.out)
+    bounces = method.renderer.get("paths.bounces")
+    references, samples = {}, []
+    for k in case.frames:
+        pose = case.motion.pose(k)
+        if pose not in references:
+            batches = ReferenceBatches(case, bounces, k, options.batch_frames, options.out)
+            grow(f"reference of frame {k}", batches, options.reference_batches, deadline)
+            references[pose] = batches.load(options.reference_batches)
+            samples.append(min(len(batches.samples), options.reference_batches) * options.batch_frames)
+    grow(case.method.label, method, options.runs, deadline)
+    images, invalid = method.load(options.runs)
+    verdicts = {k: compare(images[k], references[case.motion.pose(k)], len(case.frames)) for k in case.frames}
+    findings = findings_of(method, bounces, invalid, verdicts, min(samples))
+    print(as_markdown(findings))
+    if options.markdown:
+        with open(options.markdown, "a") as file:
+            file.write(as_markdown(findings))
+    if options.json:
+        options.json.write_text(as_json(findings))
+    return 1 if findings["biased"] else 0
+
+
+def record_or_refuse(options):
+    """As record, with the renderer's own errors as UserError."""
+    import restirpg
+
+    try:
+        return record(options)
+    except restirpg.Error as error:
+        raise UserError(str(error)) from None
+
+
+def main(arguments):
+    """The command line. Returns the exit code."""
+    options = parse(arguments)
+    try:
+        render.find_package()
+        return record_or_refuse(options)
+    except (UserError, OSError) as error:
+        print(f"record.py: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("\ninterrupted; finished runs are kept: the same command goes on from here", file=sys.stderr)
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,145 @@
+"""Rendering of what is recorded: runs of a method, and batches of its reference, seen as at a frame."""
+
+import json
+from dataclasses import dataclass, replace
+
+import numpy as np
+from samples import Samples
+
+from harness import render, scenes
+from harness.jobs import Job, Method, digest
+from harness.render import ROOT
+from harness.statistics import luminance
+from harness.unbiased import Reference, run_seed
+
+REFERENCE = Method("reference", str(ROOT / "graphs" / "path_tracer.py"), (("gbuffer.jitter", False),))
+TURN = 6  # frames of one turn of a camera that goes in a circle
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What moves from frame to frame.
+
+    circle: radius, m, of the circle that the camera goes round in its own plane without turning, one step a
+    frame, as long as the radius, TURN steps a turn: frames 2, 8, 14, 20, 26, 32 all stand where the scene's
+    camera does. fps: frames a second of the scene's animation; 0: it stands.
+    """
+
+    circle: float = 0.0
+    fps: float = 0.0
+
+    def pose(self, frame):
+        """What tells one frame's (counted from 1) view from another's: steps round the circle, time in s."""
+        return (frame - 2) % TURN if self.circle else 0, (frame - 1) / self.fps if self.fps else 0.0
+
+    def apply(self, renderer, home, frame):
+        """Move camera and time to where they are at that frame; `home`: the scene's own camera."""
+        step, seconds = self.pose(frame)
+        if self.fps:
+            renderer.set_time(seconds)
+        if self.circle:
+            forward = np.subtract(home["target"], home["position"])
+            right = np.cross(forward, home["up"])
+            up = np.cross(right, forward)
+            angle = 2 * np.pi * step / TURN
+            offset = self.circle * (np.sin(angle) * right / np.linalg.norm(right)
+                                    + (1 - np.cos(angle)) * up / np.linalg.norm(up))
+            renderer.move_camera(position=home["position"] + offset, target=home["target"] + offset)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One method on one scene: all that the runs depend on."""
+
+    method: Method
+    scene: str  # file
+    size: tuple = (48, 48)  # width, height
+    bounces: int | None = None  # None: the scene's, or the graph's own
+    frames: tuple = (1, 2, 8, 32)  # counted from 1, ascending: each one's image is a sample
+    motion: Motion = Motion()
+
+    def job(self):
+        """The case as the harness's Job, whose seed and frames count for nothing."""
+        description = render.describe_graph(self.method.graph)
+        return Job(
+            scene=str(self.scene), scene_hash=scenes.content_hash(self.scene), graph=self.method.graph,
+            description=json.dumps(description, sort_keys=True), size=self.size, frames=0, seed=0,
+            code=code_of(description), knobs=self.method.knobs, output=self.method.output,
+            bounces=self.bounces or scenes.bounce_cap(self.scene), device=self.method.device,
+            backend=self.method.backend)
+
+
+def code_of(description):
+    """Hash of the shaders and of the graph's own passes: a change of other passes leaves samples valid."""
+    folders = [ROOT / "framework" / "shaders"]
+    folders += sorted({ROOT / "passes" / entry["type"] for entry in description["passes"]})
+    files = [file for folder in folders for file in sorted(folder.glob("*")) if file.suffix != ".md"]
+    return digest(b"".join(digest(file.read_bytes()).encode() for file in files))
+
+
+class MethodRuns:
+    """Runs of a method: of each, the frames named in the case, and how many samples were NaN or infinite."""
+
+    def __init__(self, case, folder):
+        self.case = case
+        job = case.job()
+        self._running_mean = render.is_running_mean(json.loads(job.description), case.method.output)
+        self._pixels = case.size[0] * case.size[1]
+        identity = {"job": job.key, "method": case.method.label, "scene": case.scene.stem,
+                    "frames": case.frames, "circle": case.motion.circle, "fps": case.motion.fps}
+        self.samples = Samples(folder, identity, [len(case.frames) * self._pixels + 1])
+        self.renderer = render.make_renderer(job)
+        self._home = self.renderer.camera
+
+    def add(self):
+        """Render one more run."""
+        case, renderer = self.case, self.renderer
+        renderer.seed = run_seed(len(self.samples))
+        renderer.cut()
+        images, last = [], 0.0
+        for k in range(1, max(case.frames) + 1):
+            case.motion.apply(renderer, self._home, k)
+            renderer.render(1)
+            if k in case.frames or k + 1 in case.frames:
+                now = luminance(renderer.output(case.method.output)[..., :3])
+                if k in case.frames:  # the mean of k frames times k, less the same of k - 1 frames
+                    images.append(k * now - (k - 1) * last if self._running_mean else now)
+                last = now
+        images = np.array(images)
+        invalid = render.dropped_samples(renderer) + np.sum(~np.isfinite(images))
+        self.samples.append(np.append(images, invalid))
+
+    def load(self, runs):
+        """The first `runs` runs: {k: float (runs, H, W)}, and how many samples were NaN or infinite."""
+        data = self.samples.load()[:runs].astype(float)
+        width, height = self.case.size
+        images = data[:, :-1].reshape(len(data), len(self.case.frames), height, width)
+        return dict(zip(self.case.frames, images.swapaxes(0, 1))), int(data[:, -1].sum())
+
+
+class ReferenceBatches:
+    """The path tracer at pixel centres, with the bounce cap and the view of one frame of the case."""
+
+    def __init__(self, case, bounces, frame, batch_frames, folder):
+        self._frames = batch_frames
+        width, height = case.size
+        plain = replace(REFERENCE, device=case.method.device, backend=case.method.backend)
+        job = replace(case, method=plain, bounces=bounces).job()
+        pose = case.motion.pose(frame)
+        identity = {"job": job.key, "method": "reference", "scene": case.scene.stem, "frames": batch_frames,
+                    "circle": case.motion.circle if pose[0] else 0.0, "pose": pose}
+        self.samples = Samples(folder, identity, [height, width])
+        self.renderer = render.make_renderer(job)
+        case.motion.apply(self.renderer, self.renderer.camera, frame)
+
+    def add(self):
+        """Render one more batch."""
+        self.renderer.seed = run_seed(len(self.samples), "reference")
+        self.renderer.cut()
+        self.renderer.render(self._frames)
+        self.samples.append(luminance(self.renderer.output("image")))
+
+    def load(self, batches):
+        """Mean of the first batches, with the variance of its error."""
+        data = self.samples.load()[:batches].astype(float)
+        return Reference(data.mean(0), data.var(0, ddof=1) / len(data))
