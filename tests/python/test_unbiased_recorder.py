@@ -1,0 +1,102 @@
+"""benchmarks/unbiased/record.py and the test it makes (harness.unbiased): what it must find, and what it must not.
+
+Rendered cases: 64 runs of the Cornell box at 16 x 16; the seeds are fixed, so that a case that passes keeps passing. Of the faults
+of ReSTIRReuse only "confidence" shows here: a still camera makes every temporal Jacobian 1, and in a diffuse box the spatial ones
+are near it. Made-up runs: TRIALS comparisons of lognormal pixels, skewed as a frame's are.
+"""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from renderer_scenes import ROOT, scene_file  # noqa: F401
+
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from harness.statistics import LEVEL  # noqa: E402
+from harness.unbiased import Reference, compare  # noqa: E402
+
+RECORD = ROOT / "benchmarks" / "unbiased" / "record.py"
+TRIALS, RUNS = 300, 64
+
+
+def record(out, scene_file, method, *options):  # noqa: F811
+    """Run the recorder. Returns its exit code and the numbers that it wrote."""
+    numbers = out / "numbers.json"
+    done = subprocess.run(
+        [sys.executable, RECORD, method, "--scene", scene_file, "--size", "16x16", "--bounces", "2", "--out", out,
+         "--reference-batches", "16", "--batch-frames", "128", "--json", numbers, *options],
+        capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode in (0, 1), done.stderr
+    print(done.stdout)
+    return done.returncode, json.loads(numbers.read_text())
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory):
+    """One folder for all, so that the reference is rendered once."""
+    return tmp_path_factory.mktemp("recorded")
+
+
+@pytest.mark.parametrize("method", ["graphs/path_tracer.py@gbuffer.jitter=false", "graphs/restir_pt.py"])
+def test_a_method_without_bias_passes(out, scene_file, method):  # noqa: F811
+    code, found = record(out, scene_file, method, "--frames", "1,4", "--runs", "64")
+    assert code == 0 and found["invalid"] == 0
+    assert not any(row["biased"] for row in found["frames"].values())
+
+
+def test_a_mistake_of_reuse_is_found(out, scene_file):  # noqa: F811
+    method = "graphs/restir_pt.py@reuse.fault=confidence"
+    code, found = record(out, scene_file, method, "--frames", "4", "--runs", "64")
+    assert code == 1 and found["biased"]
+
+
+def test_what_was_rendered_before_an_interruption_stays(out, scene_file, tmp_path):  # noqa: F811
+    options = ("graphs/restir_pt.py", "--frames", "1,2", "--runs", "6", "--reference-batches", "2")
+    _, whole = record(tmp_path / "whole", scene_file, *options)
+    _, first = record(tmp_path / "parts", scene_file, *options, "--seconds", "0")
+    assert first["runs"] == 2
+    for file in (tmp_path / "parts").glob("*/samples.f32"):
+        with open(file, "ab") as samples:
+            samples.write(b"half a run")
+    _, both = record(tmp_path / "parts", scene_file, *options)
+    assert both["frames"] == whole["frames"] and both["runs"] == 6
+    assert [session["first_run"] for session in both["sessions"]] == [0, 2]
+
+
+@pytest.mark.parametrize(("arguments", "words"), [
+    (["graphs/none.py", "--scene", "cornell_box"], "no such graph"),
+    (["graphs/restir_pt.py", "--scene", "no_scene"], "neither a file nor an embedded scene"),
+    (["graphs/restir_pt.py", "--scene", "cornell_box", "--size", "10x16"], "multiples of 4"),
+    (["graphs/restir_pt.py", "--scene", "cornell_box", "--frames", "8,1"], "ascending"),
+    (["graphs/restir_pt.py@reuse.capp=3", "--scene", "cornell_box"], "capp")])
+def test_a_mistake_in_what_is_asked_is_one_line(tmp_path, arguments, words):
+    done = subprocess.run([sys.executable, RECORD, *arguments, "--out", tmp_path], capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 2 and words in done.stderr.splitlines()[-1] and "Traceback" not in done.stderr
+
+
+def made_up(random, scale=1.0):
+    """The verdict on lognormal pixels of mean 1 and skewness 6, times `scale`, against an exact reference."""
+    samples = scale * random.lognormal(-0.5, 1.0, (RUNS, 16, 16))
+    return compare(samples, Reference(np.ones((16, 16)), np.full((16, 16), 1e-12)))
+
+
+def test_equal_means_are_seldom_called_different():
+    """A false alarm of 1% each; more than 5% of TRIALS for the blocks, whose skewness raises it, are a mistake of the test."""
+    random = np.random.default_rng(1)
+    verdicts = [made_up(random) for _ in range(TRIALS)]
+    assert sum(verdict.worst > 1 for verdict in verdicts) <= 0.05 * TRIALS
+    assert sum(verdict.image.p < LEVEL for verdict in verdicts) <= 0.03 * TRIALS
+
+
+@pytest.mark.parametrize(("errors", "least", "most"), [(3.0, 0.5, 0.8), (None, 0.7, 0.95), (5.0, 0.95, 1.0)],
+                         ids=["three standard errors", "the smallest detectable", "five standard errors"])
+def test_a_bias_is_found_as_often_as_its_size_says(errors, least, most):
+    """A t-test at 1% finds a shift of three standard errors in 64% of the cases, of 3.5 in 80%."""
+    random = np.random.default_rng(2)
+    typical = [made_up(random) for _ in range(20)]
+    bias = np.mean([errors * verdict.image.se if errors else verdict.detectable for verdict in typical])
+    found = sum(made_up(random, 1 + bias).image.p < LEVEL for _ in range(TRIALS))
+    assert least * TRIALS <= found <= most * TRIALS
