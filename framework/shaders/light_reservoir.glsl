@@ -25,23 +25,6 @@ struct LightEdge {
     bool delta;  ///< punctual: scattering can never find it
 };
 
-/// Octahedral map of the unit sphere onto [-1, 1]^2. Meyer et al. 2010, "On Floating-Point Normal Vectors".
-vec2 encode_octahedral(vec3 w)
-{
-    vec2 p = w.xy / (abs(w.x) + abs(w.y) + abs(w.z));
-    vec2 side = vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
-    return w.z >= 0.0 ? p : (1.0 - abs(p.yx)) * side;
-}
-
-vec3 decode_octahedral(vec2 p)
-{
-    vec3 w = vec3(p, 1.0 - abs(p.x) - abs(p.y));
-    vec2 side = vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
-    if (w.z < 0.0)
-        w.xy = (1.0 - abs(w.yx)) * side;
-    return normalize(w);
-}
-
 LightPoint point_on_triangle(uint instance, uint triangle, vec2 barycentrics)
 {
     return LightPoint(instance, triangle, barycentrics);

@@ -56,6 +56,23 @@ vec3 sample_sphere(vec2 u)
     return vec3(r * cos(phi), r * sin(phi), z);
 }
 
+/// Octahedral map of the unit sphere onto [-1, 1]^2. Meyer et al. 2010, "On Floating-Point Normal Vectors".
+vec2 encode_octahedral(vec3 w)
+{
+    vec2 p = w.xy / (abs(w.x) + abs(w.y) + abs(w.z));
+    vec2 side = vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
+    return w.z >= 0.0 ? p : (1.0 - abs(p.yx)) * side;
+}
+
+vec3 decode_octahedral(vec2 p)
+{
+    vec3 w = vec3(p, 1.0 - abs(p.x) - abs(p.y));
+    vec2 side = vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
+    if (w.z < 0.0)
+        w.xy = (1.0 - abs(w.yx)) * side;
+    return normalize(w);
+}
+
 /// Uniform barycentrics: weights of the second and third vertex.
 vec2 sample_triangle(vec2 u)
 {
