@@ -4,8 +4,6 @@ import json
 
 import numpy as np
 
-from harness.statistics import LEVEL
-
 
 def findings_of(method, bounces, invalid, verdicts, reference_samples):
     """The numbers of one recording. Biases and errors are relative to the reference's mean."""
@@ -18,13 +16,13 @@ def findings_of(method, bounces, invalid, verdicts, reference_samples):
             "standard_error": verdict.image.se,
             "image_z": verdict.image.difference / verdict.image.se if verdict.image.se > 0 else 0.0,
             "image_p": verdict.image.p,
-            "detectable_image": verdict.image.smallest_detectable(len(verdicts)),
+            "detectable_image": verdict.detectable,
             "largest_z": float(np.abs(verdict.z).max()),
             "limit": verdict.limit,
             "blocks": int(verdict.z.size),
             "detectable_block": verdict.detectable_block,
             "ks_p": verdict.normality,
-            "biased": bool(verdict.worst > 1 or verdict.image.p < LEVEL / len(verdicts)),
+            "biased": verdict.biased,
         }
     return {
         "method": case.method.label,

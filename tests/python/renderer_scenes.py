@@ -41,9 +41,9 @@ def renderer(scene):
     return make_renderer(scene)
 
 
-def make_renderer(scene, graph=None, seed=0, **options):
+def make_renderer(scene, graph=None, seed=0, size=SIZE, **options):
     """A renderer under the validation layer, any message of which is an error."""
-    return restirpg.Renderer(scene, graph or restirpg.load_graph(GRAPH), size=SIZE, seed=seed, validation=True, **options)
+    return restirpg.Renderer(scene, graph or restirpg.load_graph(GRAPH), size=size, seed=seed, validation=True, **options)
 
 
 def frame_graph(**accumulate):

@@ -1,8 +1,8 @@
 """benchmarks/unbiased/record.py and the test it makes (harness.unbiased): what it must find, and what it must not.
 
-Rendered cases: 64 runs of the Cornell box at 16 x 16; the seeds are fixed, so that a case that passes keeps passing. Of the faults
-of ReSTIRReuse only "confidence" shows here: a still camera makes every temporal Jacobian 1, and in a diffuse box the spatial ones
-are near it. Made-up runs: TRIALS comparisons of lognormal pixels, skewed as a frame's are.
+Rendered cases: 64 runs of the Cornell box at 16 x 16; the seeds are fixed, so that a case that passes keeps passing. Of the
+faults of ReSTIRReuse only "confidence" shows here: a still camera makes every temporal Jacobian 1, and in a diffuse box the spatial
+ones are near it. Made-up runs: TRIALS comparisons of lognormal pixels, skewed as a frame's are.
 """
 
 import json
@@ -77,17 +77,19 @@ def test_a_mistake_in_what_is_asked_is_one_line(tmp_path, arguments, words):
     assert done.returncode == 2 and words in done.stderr.splitlines()[-1] and "Traceback" not in done.stderr
 
 
-def made_up(random, scale=1.0):
-    """The verdict on lognormal pixels of mean 1 and skewness 6, times `scale`, against an exact reference."""
-    samples = scale * random.lognormal(-0.5, 1.0, (RUNS, 16, 16))
+def made_up(random, scale=1.0, sigma=1.0):
+    """The verdict on lognormal pixels of mean 1, times `scale`, and an exact reference. Skewness 6 for sigma 1, 33 for 1.5."""
+    samples = scale * random.lognormal(-sigma ** 2 / 2, sigma, (RUNS, 16, 16))
     return compare(samples, Reference(np.ones((16, 16)), np.full((16, 16), 1e-12)))
 
 
-def test_equal_means_are_seldom_called_different():
-    """A false alarm of 1% each; more than 5% of TRIALS for the blocks, whose skewness raises it, are a mistake of the test."""
+@pytest.mark.parametrize("sigma", [1.0, 1.5])
+def test_equal_means_are_seldom_called_different(sigma):
+    """A false alarm of 1% each: more than 3% of TRIALS have a probability of 10^-3. Unguarded, 9% for sigma = 1.5."""
     random = np.random.default_rng(1)
-    verdicts = [made_up(random) for _ in range(TRIALS)]
-    assert sum(verdict.worst > 1 for verdict in verdicts) <= 0.05 * TRIALS
+    verdicts = [made_up(random, sigma=sigma) for _ in range(TRIALS)]
+    print("unguarded:", sum(np.abs(verdict.plain_z).max() > verdict.limit for verdict in verdicts))
+    assert sum(verdict.worst > 1 for verdict in verdicts) <= 0.03 * TRIALS
     assert sum(verdict.image.p < LEVEL for verdict in verdicts) <= 0.03 * TRIALS
 
 

@@ -1,0 +1,89 @@
+"""Energy is flat over what ReSTIR PT reuses (ALGORITHMS T2): rounds, neighbours and cap change the noise, never the mean.
+
+Null hypothesis: the path tracer and all SETTINGS have one image mean (indirect light of the diffuse Cornell box). Chi-square
+over their means, of RUNS runs each of which frame FRAME is one sample; a false alarm of 1%. Darkening with rounds is a mistake in
+the MIS weights, with the cap one in the confidences.
+"""
+
+import sys
+
+import numpy as np
+import pytest
+from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
+from scipy import stats
+
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from harness.statistics import LEVEL  # noqa: E402
+from harness.unbiased import independent_runs  # noqa: E402
+
+RUNS, FRAME, SIZE, BOUNCES = 24, 6, (24, 24), 2
+BATCHES, BATCH_FRAMES = 24, 32  # of the path tracer
+SETTINGS = [
+    {"temporal": False, "rounds": 0}, {"rounds": 0, "cap": 1.0}, {"rounds": 0, "cap": 100.0},
+    {"temporal": False, "rounds": 2, "neighbours": 6}, {"rounds": 1, "neighbours": 1, "cap": 20.0},
+    {"rounds": 1, "neighbours": 6, "cap": 100.0}, {"rounds": 3, "neighbours": 2, "cap": 1.0},
+    {"rounds": 4, "neighbours": 6, "cap": 20.0},
+]
+DEFAULTS = {"temporal": True, "neighbours": 3, "cap": 20.0, "fault": "none"}
+
+
+def resampled(accumulate):
+    """Indirect light by ReSTIR PT, each frame's own; or by path tracing, the mean over frames."""
+    g = restirpg.Graph("Indirect light")
+    gbuffer = g.add("gbuffer", "GBuffer")
+    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface)
+    if accumulate:
+        image = g.add("accumulate", "Accumulate", indirect=paths.radiance, history=restirpg.prev("accumulate.sums"))
+        g.output("radiance", image.mean)
+    else:
+        reuse = g.add("reuse", "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates, motion=gbuffer.motion,
+                      previous_surface=restirpg.prev("gbuffer.surface"), history=restirpg.prev("reuse.reservoirs"))
+        g.output("radiance", reuse.radiance)
+    return g
+
+
+@pytest.fixture(scope="module")
+def renderer(scene):  # noqa: F811
+    renderer = make_renderer(scene, resampled(False), size=SIZE)
+    renderer.set("paths.bounces", BOUNCES)
+    return renderer
+
+
+@pytest.fixture(scope="module")
+def path_traced(scene):  # noqa: F811
+    """Image means of the path tracer's batches."""
+    renderer = make_renderer(scene, resampled(True), size=SIZE)
+    renderer.set("paths.bounces", BOUNCES)
+    return independent_runs(renderer, BATCHES, (BATCH_FRAMES,), family="reference")[BATCH_FRAMES].mean((1, 2))
+
+
+def means_of(renderer, settings):
+    """Image means of the runs, float (RUNS,)."""
+    for name, value in {**DEFAULTS, **settings}.items():
+        if renderer.get(f"reuse.{name}") != value:
+            renderer.set(f"reuse.{name}", value)
+    return independent_runs(renderer, RUNS, (FRAME,), family=str(settings))[FRAME].mean((1, 2))
+
+
+def flatness(samples):
+    """p-value of all sets of samples having one mean (chi-square of the means about their weighted mean)."""
+    means = np.array([values.mean() for values in samples])
+    errors = np.array([values.std(ddof=1) / np.sqrt(len(values)) for values in samples])
+    weights = errors ** -2
+    average = weights @ means / weights.sum()
+    for mean, error in zip(means, errors):
+        print(f"    ratio {mean / average:.4f} +- {error / average:.4f}")
+    return float(stats.chi2.sf(np.sum(((means - average) / errors) ** 2), len(means) - 1))
+
+
+def test_energy_does_not_depend_on_what_is_reused(renderer, path_traced):
+    samples = [path_traced, *(means_of(renderer, settings) for settings in SETTINGS)]
+    p = flatness(samples)
+    print(f"p of one mean: {p:.3g}")
+    assert p > LEVEL
+    # The test could have failed: six standard errors too little light in one setting, or a mistake of reuse.
+    darker = samples[-1] - 6 * samples[-1].std(ddof=1) / np.sqrt(RUNS)
+    assert flatness([*samples[:-1], darker]) < LEVEL
+    mistaken = means_of(renderer, {"rounds": 0, "cap": 20.0, "fault": "confidence"})
+    assert flatness([*samples, mistaken]) < LEVEL
