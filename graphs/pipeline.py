@@ -6,16 +6,31 @@ The tracing pass is always called `paths`.
 from restirpg import Graph, prev
 
 
-def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1):
-    """The graph. temporal, rounds: reuse over frames, and rounds of reuse over pixels, for direct and indirect light alike."""
+def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, splat={}, fit={}):
+    """The graph.
+
+    temporal, rounds: reuse over frames, and rounds of reuse over pixels, for direct and indirect light alike.
+    train: what the guide of the initial paths learns from, if there is one: "selected", the paths that resampling has
+    selected; "candidates", those it chose from; "raw", all bounces of the candidates' path trees, weighted by the light
+    that came back.
+    splat, fit: knobs of the guiding grid.
+    """
     g = Graph(name)
     gbuffer = g.add("gbuffer", "GBuffer", jitter=False)
     before = {"motion": gbuffer.motion, "previous_surface": prev("gbuffer.surface")}
     direct = g.add("direct", "ReSTIRDI", surface=gbuffer.surface, history=prev("direct.reservoirs"),
                    temporal=temporal, rounds=rounds, **before)
-    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=bounces)
+    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=bounces,
+                  guide=prev("fit.guide") if train else None)
+    vertices = {"candidate_vertices": paths.vertices, "history_vertices": prev("reuse.vertices")}
     reuse = g.add("reuse", "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates,
-                  history=prev("reuse.reservoirs"), temporal=temporal, rounds=rounds, **before)
+                  history=prev("reuse.reservoirs"), temporal=temporal, rounds=rounds, bounces=bounces,
+                  **before, **(vertices if train == "selected" else {}))
+    if train:
+        lessons = {"selected": {"vertices": reuse.vertices}, "candidates": {"vertices": paths.vertices},
+                   "raw": {"samples": paths.samples}}[train]
+        statistics = g.add("splat", "GuidingSplat", guide=prev("fit.guide"), **lessons, **splat)
+        g.add("fit", "GuidingFit", statistics=statistics.statistics, history=prev("fit.guide"), **fit)
     image = g.add("accumulate", "Accumulate", direct=direct.radiance, indirect=reuse.radiance,
                   emission=gbuffer.emission, history=prev("accumulate.sums"))
     g.output("image", image.mean)

@@ -25,6 +25,7 @@ const std::vector<Required>& requiredFeatures()
     static const std::vector<Required> features = {
         RESTIRPG_FEATURE(core.features, shaderInt64),
         RESTIRPG_FEATURE(vulkan12, bufferDeviceAddress),
+        RESTIRPG_FEATURE(vulkan12, shaderBufferInt64Atomics),
         RESTIRPG_FEATURE(vulkan12, scalarBlockLayout),
         RESTIRPG_FEATURE(vulkan12, descriptorIndexing),
         RESTIRPG_FEATURE(vulkan12, runtimeDescriptorArray),

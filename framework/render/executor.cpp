@@ -13,16 +13,17 @@ Executor::Executor(Device& device, std::unique_ptr<Graph> graph, uint32_t width,
         allocate(resource);
     }
     constants_ = device_.createBuffer(sizeof(FrameConstants), "frame constants");
-    VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
-    info.queryType = VK_QUERY_TYPE_TIMESTAMP;
-    info.queryCount = uint32_t(2 * graph_->order().size());
-    check(vkCreateQueryPool(device_.handle(), &info, nullptr, &queries_), "vkCreateQueryPool");
     for (const auto& edge : graph_->edges())
         graph_->passes()[edge.target].interface.inputs()[edge.input].target->module =
             graph_->passes()[edge.source].interface.outputs()[edge.output].type.module;
     connect();
     for (uint32_t pass : graph_->order())
         graph_->passes()[pass].pass->build(device_);
+    // Last, so that a pass that fails to build leaves nothing behind.
+    VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+    info.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    info.queryCount = uint32_t(2 * graph_->order().size());
+    check(vkCreateQueryPool(device_.handle(), &info, nullptr, &queries_), "vkCreateQueryPool");
 }
 
 Executor::~Executor()

@@ -16,16 +16,18 @@ float log_one_plus(float z)
     return abs(z) < 0.1 ? z * (1.0 - z * (1.0 / 2.0 - z * (1.0 / 3.0 - z * (1.0 / 4.0 - z * (1.0 / 5.0 - z / 6.0))))) : log(1.0 + z);
 }
 
-/// Density of w about the unit axis mu, 1/sr: kappa / (2 pi (1 - e^{-2 kappa})) e^{kappa (mu.w - 1)}. kappa = 0: uniform.
+/// The density on the axis, 1/sr: kappa / (2 pi (1 - e^{-2 kappa})).
+float vmf_normalization(float kappa)
+{
+    return kappa < 0.1 ? (1.0 + kappa + kappa * kappa / 3.0) * 0.25 * INV_PI : kappa * 0.5 * INV_PI / one_minus_exp(2.0 * kappa);
+}
+
+/// Density of w about the unit axis mu, 1/sr. kappa = 0: uniform.
 float vmf_pdf(vec3 w, vec3 mu, float kappa)
 {
-    if (kappa == 0.0)
-        return 0.25 * INV_PI;
     // |w - mu|^2 / 2 = 1 - mu.w, with all of its digits for narrow lobes.
     vec3 d = w - mu;
-    float normalization = kappa < 0.1 ? (1.0 + kappa + kappa * kappa / 3.0) * 0.25 * INV_PI
-                                      : kappa * 0.5 * INV_PI / one_minus_exp(2.0 * kappa);
-    return normalization * exp(-0.5 * kappa * dot(d, d));
+    return vmf_normalization(kappa) * exp(-0.5 * kappa * dot(d, d));
 }
 
 /// A direction with density vmf_pdf.

@@ -1,0 +1,153 @@
+// Keys, lookup and insertion of the guiding grid. A key is a view-adaptive cell, its level, the face of the surface's normal and the
+// material (the BSDF ID).  [Zeng et al. 2025, section 4.3; Pantaleoni 2020]
+#ifndef RESTIRPG_GUIDING_GRID_GLSL
+#define RESTIRPG_GUIDING_GRID_GLSL
+
+#include "guiding_grid_types.h"
+#include "path_vertex.glsl"
+#include "random.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer GuidingHeaderRef { GuidingHeader at; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer GuidingKeyArray { uint64_t at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer GuidingSumsArray { GuidingSums at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer GuidingPlaceSumsArray { GuidingPlaceSums at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GuidingCellArray { GuidingCell at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GuidingMemoryArray { GuidingMemory at[]; };
+
+Address guiding_keys(Address table)
+{
+    return table + GUIDING_HEADER_BYTES;
+}
+
+Address guiding_records(Address table, uint capacity)
+{
+    return guiding_keys(table) + uint64_t(GUIDING_KEY_BYTES) * capacity;
+}
+
+GuidingSumsArray guiding_sums(Address statistics, uint capacity)
+{
+    return GuidingSumsArray(guiding_records(statistics, capacity));
+}
+
+GuidingPlaceSumsArray guiding_place_sums(Address statistics, uint capacity)
+{
+    return GuidingPlaceSumsArray(guiding_records(statistics, capacity) + uint64_t(GUIDING_SUMS_BYTES) * capacity);
+}
+
+GuidingCellArray guiding_cells(Address guide, uint capacity)
+{
+    return GuidingCellArray(guiding_records(guide, capacity));
+}
+
+GuidingMemoryArray guiding_memories(Address guide, uint capacity)
+{
+    return GuidingMemoryArray(guiding_records(guide, capacity) + uint64_t(GUIDING_CELL_BYTES) * capacity);
+}
+
+// Key: three indices of 13 bits, level 5, face 3, material 16, and the top bit, so that no key is 0.
+const uint INDEX_BITS = 13u;
+const uint LEVEL_SHIFT = 3u * INDEX_BITS;
+const uint FACE_SHIFT = LEVEL_SHIFT + 5u;
+const uint MATERIAL_SHIFT = FACE_SHIFT + 3u;
+
+/// Side of the cells of a level, m.
+float cell_side(GuidingGrid grid, uint level)
+{
+    return grid.smallest * float(1u << level);
+}
+
+/// The level that suits a place: its cells are at most as large as asked for there.
+uint cell_level(GuidingGrid grid, vec3 position)
+{
+    float side = grid.scale * distance(position, grid.camera);
+    return uint(clamp(floor(log2(side / grid.smallest)), 0.0, 31.0));
+}
+
+uint64_t guiding_key(GuidingGrid grid, vec3 position, uint face, uint material)
+{
+    uint level = cell_level(grid, position);
+    uvec3 index = uvec3(max((position - grid.origin) / cell_side(grid, level), vec3(0.0))) & ((1u << INDEX_BITS) - 1u);
+    return uint64_t(index.x) | (uint64_t(index.y) << INDEX_BITS) | (uint64_t(index.z) << (2u * INDEX_BITS)) |
+           (uint64_t(level) << LEVEL_SHIFT) | (uint64_t(face) << FACE_SHIFT) | (uint64_t(material & 0xffffu) << MATERIAL_SHIFT) |
+           (1ul << 63u);
+}
+
+uint key_level(uint64_t key)
+{
+    return uint(key >> LEVEL_SHIFT) & 31u;
+}
+
+uint key_face(uint64_t key)
+{
+    return uint(key >> FACE_SHIFT) & 7u;
+}
+
+uint key_material(uint64_t key)
+{
+    return uint(key >> MATERIAL_SHIFT) & 0xffffu;
+}
+
+/// The middle of a key's cell.
+vec3 key_center(GuidingGrid grid, uint64_t key)
+{
+    uint mask = (1u << INDEX_BITS) - 1u;
+    uvec3 index = uvec3(uint(key), uint(key >> INDEX_BITS), uint(key >> (2u * INDEX_BITS))) & mask;
+    return grid.origin + (vec3(index) + 0.5) * cell_side(grid, key_level(key));
+}
+
+uint key_slot(uint64_t key, uint capacity)
+{
+    return pcg4d(uvec4(uint(key), uint(key >> 32u), 0u, 0u)).x & (capacity - 1u);
+}
+
+/// The slot of a key; INVALID_INDEX: it is not in the table.
+uint find_slot(Address table, uint capacity, uint64_t key)
+{
+    GuidingKeyArray keys = GuidingKeyArray(guiding_keys(table));
+    uint slot = key_slot(key, capacity);
+    for (uint i = 0u; i < GUIDING_PROBES; ++i) {
+        uint64_t there = keys.at[slot];
+        if (there == key)
+            return slot;
+        if (there == 0ul)
+            return INVALID_INDEX;
+        slot = (slot + 1u) & (capacity - 1u);
+    }
+    return INVALID_INDEX;
+}
+
+/// The slot that served a cell in the frame before: by the cell's own key or, when the camera has moved or the level's border lies
+/// there, the key that its middle had. INVALID_INDEX: none.
+uint find_previous_slot(Address guide, GuidingGrid grid, uint64_t key)
+{
+    if (guide == 0ul)
+        return INVALID_INDEX;
+    GuidingHeader header = GuidingHeaderRef(guide).at;
+    if (header.capacity == 0u)
+        return INVALID_INDEX;
+    uint slot = find_slot(guide, header.capacity, key);
+    if (slot != INVALID_INDEX)
+        return slot;
+    return find_slot(guide, header.capacity, guiding_key(header.grid, key_center(grid, key), key_face(key), key_material(key)));
+}
+
+/// The slot of a key, taken if need be; INVALID_INDEX: there was none. `taken`: this call has taken it; `probes`: slots of other keys met.
+uint insert_key(Address table, uint capacity, uint64_t key, out bool taken, out uint probes)
+{
+    GuidingKeyArray keys = GuidingKeyArray(guiding_keys(table));
+    uint slot = key_slot(key, capacity);
+    taken = false;
+    for (probes = 0u; probes < GUIDING_PROBES; ++probes) {
+        uint64_t there = keys.at[slot];
+        if (there == 0ul) {
+            there = atomicCompSwap(keys.at[slot], 0ul, key);
+            taken = there == 0ul;
+        }
+        if (taken || there == key)
+            return slot;
+        slot = (slot + 1u) & (capacity - 1u);
+    }
+    return INVALID_INDEX;
+}
+
+#endif

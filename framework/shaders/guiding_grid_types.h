@@ -1,0 +1,93 @@
+// The guiding grid: a hash table from places to mixtures of directions. Shared by C++ and GLSL: see types.h.
+//
+// Two buffers have this form, each a GuidingHeader, then `capacity` keys (64 bits, 0: empty slot), then one record a slot:
+// statistics (GuidingSums, then GuidingPlaceSums) as GuidingSplat adds them up in a frame, and the guide (GuidingCell, then
+// GuidingMemory) that GuidingFit makes of them. Each frame has fresh ones: nothing is ever mutated in place (ALGORITHMS O8).
+#ifndef RESTIRPG_GUIDING_GRID_TYPES_H
+#define RESTIRPG_GUIDING_GRID_TYPES_H
+#include "types.h"
+RESTIRPG_SHARED
+
+/// Lobes of a cell's mixture (Zeng et al. 2025: 4).
+RESTIRPG_CONST GUIDING_LOBES = 4u;
+/// Slots tried for a key, from its own on.
+RESTIRPG_CONST GUIDING_PROBES = 32u;
+/// Fractional bits of the sums: integers, so that the order of the atomics does not matter (ALGORITHMS O9).
+RESTIRPG_CONST GUIDING_FRACTION_BITS = 24u;
+/// Most that one sample weighs.
+RESTIRPG_CONST GUIDING_LARGEST_WEIGHT = 65536u;
+
+/// What keys are made from. A cell's side is the power of two times `smallest` below `scale` times its distance from the camera.
+struct GuidingGrid {
+    vec3 camera;  ///< of the frame in which the samples were splatted
+    float scale;
+    vec3 origin;  ///< lower corner of the space that the grid covers
+    float smallest;  ///< m
+};
+
+RESTIRPG_CONST GUIDING_COSINE = 1u;  ///< lobes are multiplied by the cosine at lookup
+RESTIRPG_CONST GUIDING_PARALLAX = 2u;  ///< lobes point at distances: they are re-aimed at lookup
+
+struct GuidingHeader {
+    GuidingGrid grid;
+    uint capacity;  ///< slots, a power of two
+    uint options;  ///< GUIDING_* flags
+    float minimum;  ///< samples that a cell must have been fitted to before it guides
+    // Counts of the frame, for reports.
+    uint cells;  ///< occupied slots
+    uint collisions;  ///< slots found taken by another key while inserting
+    uint failed;  ///< samples (guide: cells) that found no slot
+    uint samples;
+    uint fitted;  ///< cells fitted in this frame
+    uint guiding;  ///< cells that guide
+};
+
+/// Sums over the samples of a cell in a frame, fixed point: of responsibilities times direction and of responsibilities, a lobe.
+struct GuidingSums {
+    Address lanes[16];  ///< lobe k: x, y, z, 1 from 4 k on
+    Address strangest;  ///< of the sample that the mixture explains worst: how badly (upper half), and its packed direction
+    uint count;  ///< samples
+};
+
+/// Where the samples lie and how far they look, for parallax: lobe k's inverse distance (1/m), then the place within the cell, in cell sides.
+struct GuidingPlaceSums {
+    Address lanes[7];
+};
+
+/// 12 bytes.
+struct GuidingLobe {
+    uint direction;  ///< mean direction, packed
+    float kappa;
+    float weight;
+};
+
+/// 56 bytes; with its key 64 (Zeng et al. 2025: 152 with statistics).
+struct GuidingCell {
+    GuidingLobe lobes[4];
+    uint age;  ///< frames since it was last fitted
+    float samples;  ///< that it was last fitted to; 0: never
+};
+
+/// What a cell remembers of earlier frames, when it does: decayed sums as in GuidingSums, in samples.
+struct GuidingMemory {
+    float sums[16];
+    float count;
+    float places[7];  ///< as GuidingPlaceSums
+};
+
+// Bytes of the buffers' parts.
+RESTIRPG_CONST GUIDING_HEADER_BYTES = 80u;
+RESTIRPG_CONST GUIDING_KEY_BYTES = 8u;
+RESTIRPG_CONST GUIDING_SUMS_BYTES = 144u;
+RESTIRPG_CONST GUIDING_PLACE_SUMS_BYTES = 56u;
+RESTIRPG_CONST GUIDING_CELL_BYTES = 56u;
+RESTIRPG_CONST GUIDING_MEMORY_BYTES = 96u;
+
+#ifdef __cplusplus
+static_assert(sizeof(GuidingHeader) <= GUIDING_HEADER_BYTES && sizeof(GuidingSums) == GUIDING_SUMS_BYTES &&
+              sizeof(GuidingPlaceSums) == GUIDING_PLACE_SUMS_BYTES && sizeof(GuidingCell) == GUIDING_CELL_BYTES &&
+              sizeof(GuidingMemory) == GUIDING_MEMORY_BYTES);
+#endif
+
+RESTIRPG_SHARED_END
+#endif

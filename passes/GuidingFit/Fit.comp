@@ -1,0 +1,128 @@
+// One invocation a cell of this frame's statistics: the M-step, into the same slot of the new guide.  [Zeng et al. 2025, section 4.4]
+#version 460
+#include "prelude.glsl"
+#include "Shared.h"
+#include "fit.glsl"
+#include "guiding_mixture.glsl"
+
+layout(local_size_x = 64) in;
+layout(push_constant, scalar) uniform Push { GuidingFitParameters params; };
+
+float from_fixed(uint64_t lane)
+{
+    return float(int64_t(lane)) * (1.0 / float(1u << GUIDING_FRACTION_BITS));
+}
+
+/// The frame's sums, scaled so that the shares add up to the count of the samples: whatever unit the weights have (ALGORITHMS 3.1).
+GuidingMemory load_sums(uint slot)
+{
+    GuidingSums s = guiding_sums(params.statistics, params.capacity).at[slot];
+    GuidingMemory m;
+    float total = 0.0;
+    for (uint i = 0u; i < 16u; ++i)
+        m.sums[i] = from_fixed(s.lanes[i]);
+    for (uint k = 0u; k < GUIDING_LOBES; ++k)
+        total += m.sums[4u * k + 3u];
+    m.count = float(s.count);
+    float scale = total > 0.0 ? m.count / total : 0.0;
+    for (uint i = 0u; i < 16u; ++i)
+        m.sums[i] *= scale;
+    for (uint i = 0u; i < 7u; ++i)
+        m.places[i] = 0.0;
+    if ((params.options & GUIDING_PARALLAX) != 0u) {
+        GuidingPlaceSums places = guiding_place_sums(params.statistics, params.capacity).at[slot];
+        for (uint i = 0u; i < 7u; ++i)
+            m.places[i] = from_fixed(places.lanes[i]) * scale;
+    }
+    return m;
+}
+
+void add_memory(inout GuidingMemory m, GuidingMemory other, float factor)
+{
+    for (uint i = 0u; i < 16u; ++i)
+        m.sums[i] += factor * other.sums[i];
+    for (uint i = 0u; i < 7u; ++i)
+        m.places[i] += factor * other.places[i];
+    m.count += factor * other.count;
+}
+
+FitSums fit_sums(GuidingMemory m)
+{
+    FitSums s;
+    for (uint k = 0u; k < GUIDING_LOBES; ++k) {
+        s.x[k] = m.sums[4u * k];
+        s.y[k] = m.sums[4u * k + 1u];
+        s.z[k] = m.sums[4u * k + 2u];
+        s.share[k] = m.sums[4u * k + 3u];
+    }
+    s.count = m.count;
+    return s;
+}
+
+VmfMixture fit(GuidingMemory sums, VmfMixture before, uint64_t strangest)
+{
+    VmfMixture m = fit_mixture(fit_sums(sums), before, FitPriors(params.weightPrior, params.concentrationPrior, params.largestKappa));
+    uint idle = params.reseeds != 0u ? find_idle_lobe(m) : GUIDING_LOBES;
+    return idle < GUIDING_LOBES ? reseed_lobe(m, idle, unpack_direction(uint(strangest))) : m;
+}
+
+void fit_cell(uint slot, uint64_t key)
+{
+    GuidingGrid grid = GuidingHeaderRef(params.statistics).at.grid;
+    GuidingHeaderRef header = GuidingHeaderRef(params.guide);
+    GuidingMemory sums = load_sums(slot);
+    atomicAdd(header.at.cells, 1u);
+    atomicAdd(header.at.samples, uint(sums.count));
+
+    uint before = find_previous_slot(params.history, grid, key);
+    VmfMixture mixture = new_mixture(face_normal(key_face(key)));
+    uint age = 0u;
+    float fitted_to = 0.0;
+    if (before != INVALID_INDEX) {
+        GuidingCell cell = guiding_cells(params.history, params.capacity).at[before];
+        mixture = unpack_mixture(cell);
+        age = cell.age + 1u;
+        fitted_to = cell.samples;
+        if (params.remembers != 0u)
+            add_memory(sums, guiding_memories(params.history, params.capacity).at[before], 1.0);
+    }
+    float keep = params.pools != 0u ? 1.0 : params.decay;
+    GuidingMemory lasting = sums;
+    if (sums.count >= params.minimum) {
+        mixture = fit(sums, mixture, guiding_sums(params.statistics, params.capacity).at[slot].strangest);
+        age = 0u;
+        fitted_to = sums.count;
+        keep = params.decay;
+        atomicAdd(header.at.fitted, 1u);
+    } else if (age > params.oldest) {
+        fitted_to = 0.0;
+    }
+    if (fitted_to > 0.0)
+        atomicAdd(header.at.guiding, 1u);
+    GuidingKeyArray(guiding_keys(params.guide)).at[slot] = key;
+    guiding_cells(params.guide, params.capacity).at[slot] = pack_mixture(mixture, age, fitted_to);
+    if (params.remembers != 0u) {
+        add_memory(lasting, sums, keep - 1.0);
+        guiding_memories(params.guide, params.capacity).at[slot] = lasting;
+    }
+}
+
+void main()
+{
+    frame = FrameRef(params.frame);
+    uint slot = gl_GlobalInvocationID.x;
+    if (slot >= params.capacity)
+        return;
+    GuidingHeader statistics = GuidingHeaderRef(params.statistics).at;
+    if (slot == 0u) {
+        GuidingHeaderRef header = GuidingHeaderRef(params.guide);
+        header.at.grid = statistics.grid;
+        header.at.capacity = params.capacity;
+        header.at.options = params.options;
+        header.at.collisions = statistics.collisions;
+        atomicAdd(header.at.failed, statistics.failed);
+    }
+    uint64_t key = GuidingKeyArray(guiding_keys(params.statistics)).at[slot];
+    if (key != 0ul)
+        fit_cell(slot, key);
+}

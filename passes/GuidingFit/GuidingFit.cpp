@@ -1,0 +1,95 @@
+#include "Shared.h"
+#include "render/frame.h"
+
+#include <bit>
+
+namespace restirpg {
+
+class GuidingFit final : public Pass {
+public:
+    void describe(Interface& io) override
+    {
+        const PortType layout = guide(fixedSize("", [this] { return bytes(); }), passFile("guide.glsl"));
+        io.input("statistics", statistics_, fixedSize("GuidingStatistics", {}), "what GuidingSplat added up in this frame");
+        io.input("history", history_, layout, "the output guide, one frame ago: prev(\"fit.guide\")");
+        io.output("guide", guide_, layout, "a mixture of four von Mises-Fisher lobes a cell, to sample the next frame's paths from");
+        io.knob("cells", cells_, 1u << 10, 1u << 24, "slots of the hash table, rounded up to a power of two; as GuidingSplat's");
+        io.structural();
+        io.knob("minimum", minimum_, 1, 1e6f, "samples that a cell is fitted to, at least");
+        io.knob("pool", pool_, "a cell with fewer samples keeps them for the next frame; off: it keeps its lobes alone");
+        io.structural();
+        io.knob("decay", decay_, 0, 0.999f, "what the sums of earlier frames weigh a frame later (Zeng et al. 2025: 0)");
+        io.structural();
+        io.knob("oldest", oldest_, 0, 10000, "frames that a cell goes on guiding without being fitted again");
+        io.knob("weight_prior", weightPrior_, 0, 1000, "samples that each lobe is thought to have had");
+        io.knob("concentration_prior", concentrationPrior_, 0, 1000, "samples of each lobe that are thought to have pointed everywhere");
+        io.knob("largest_kappa", largestKappa_, 1, 32000, "most concentrated lobe");
+        io.knob("reseed", reseed_, "move a lobe that explains nothing to the sample that is explained worst");
+        io.knob("cosine", cosine_, "multiply the lobes by the cosine at lookup: for lobes fitted to the incident radiance alone");
+        io.knob("parallax", parallax_, "aim the lobes at the distance that their samples looked to; needs that knob of GuidingSplat");
+        io.structural();
+    }
+
+    void build(Device& device) override
+    {
+        fitKernel_ = Kernel(device, passFile("Fit.comp"));
+        carryKernel_ = Kernel(device, passFile("Carry.comp"));
+    }
+
+    void record(Frame& frame) override
+    {
+        const uint64_t slot = GUIDING_KEY_BYTES + GUIDING_SUMS_BYTES + (parallax_ ? GUIDING_PLACE_SUMS_BYTES : 0);
+        if (statistics_->bytes() != GUIDING_HEADER_BYTES + slot * capacity())
+            fail("GuidingFit: the knobs 'cells' ({}) and 'parallax' are not those of GuidingSplat; give both the same", cells_);
+        const GuidingFitParameters parameters{frame.constants(),
+                                              statistics_->address(),
+                                              history_.empty ? 0 : history_->address(),
+                                              guide_->address(),
+                                              capacity(),
+                                              (cosine_ ? GUIDING_COSINE : 0) | (parallax_ ? GUIDING_PARALLAX : 0),
+                                              remembers(),
+                                              pool_,
+                                              reseed_,
+                                              oldest_,
+                                              decay_,
+                                              minimum_,
+                                              weightPrior_,
+                                              concentrationPrior_,
+                                              largestKappa_};
+        frame.fill(*guide_.resource);
+        frame.dispatch(fitKernel_, parameters, capacity());
+        if (parameters.history != 0)
+            frame.dispatch(carryKernel_, parameters, capacity());
+    }
+
+private:
+    uint32_t capacity() const { return std::bit_ceil(cells_); }
+    /// Parallax reads its sums at lookup.
+    bool remembers() const { return pool_ || decay_ > 0 || parallax_; }
+
+    uint64_t bytes() const
+    {
+        const uint64_t slot = GUIDING_KEY_BYTES + GUIDING_CELL_BYTES + (remembers() ? GUIDING_MEMORY_BYTES : 0);
+        return GUIDING_HEADER_BYTES + slot * capacity();
+    }
+
+    In<Buffer> statistics_, history_;
+    Out<Buffer> guide_;
+    uint32_t cells_ = 1u << 16;
+    float minimum_ = 16;
+    bool pool_ = true;
+    float decay_ = 0;
+    uint32_t oldest_ = 16;
+    float weightPrior_ = 0.1f;
+    float concentrationPrior_ = 1;
+    float largestKappa_ = 32000;
+    bool reseed_ = true;
+    bool cosine_ = false;
+    bool parallax_ = false;
+    Kernel fitKernel_, carryKernel_;
+};
+
+}  // namespace restirpg
+
+using restirpg::GuidingFit;
+RESTIRPG_PASS(GuidingFit, "Fits a mixture of directions to each cell of the guiding grid: one step of EM a frame")

@@ -1,0 +1,92 @@
+// The M-step: lobes from sufficient statistics, with priors.  [Ruppert et al. 2020, section 4; ALGORITHMS 3.2]
+#ifndef RESTIRPG_GUIDING_FIT_GLSL
+#define RESTIRPG_GUIDING_FIT_GLSL
+
+#include "vmf_mixture.glsl"
+
+/// A cell's statistics: sums over the samples of each lobe's share and of share times direction.
+struct FitSums {
+    vec4 x, y, z;
+    vec4 share;
+    float count;  ///< samples; the shares add up to it
+};
+
+struct FitPriors {
+    float weight;  ///< samples that each lobe is thought to have had
+    float concentration;  ///< samples that are thought to have pointed everywhere
+    float largest_kappa;
+};
+
+/// Below this a lobe is taken for uniform: single precision would lose its shape.
+const float LEAST_KAPPA = 1e-3;
+/// A lobe of less weight has nothing to explain.
+const float IDLE_WEIGHT = 0.02;
+/// Lobes whose directions have a larger cosine, and concentrations a smaller ratio, do the work of one.
+const float TWIN_COSINE = 0.999;
+const float TWIN_KAPPA_RATIO = 1.5;
+const float RESEEDED_KAPPA = 10.0;
+const float RESEEDED_WEIGHT = 0.1;
+
+/// kappa of a mean resultant length.  [Banerjee et al. 2005]
+float kappa_of(float mean_cosine)
+{
+    float kappa = mean_cosine * (3.0 - mean_cosine * mean_cosine) / (1.0 - mean_cosine * mean_cosine);
+    return kappa < LEAST_KAPPA ? 0.0 : kappa;
+}
+
+/// The mixture of largest posterior probability given the sums; a lobe without direction keeps the one it had.
+VmfMixture fit_mixture(FitSums sums, VmfMixture before, FitPriors priors)
+{
+    // The mean cosine, not kappa, is clamped: near 1 it has too few digits left.
+    float largest_cosine = 1.0 - 1.0 / priors.largest_kappa;
+    VmfMixture m = before;
+    m.weight = (priors.weight + sums.share) / (float(GUIDING_LOBES) * priors.weight + sums.count);
+    for (uint k = 0u; k < GUIDING_LOBES; ++k) {
+        vec3 r = vec3(sums.x[k], sums.y[k], sums.z[k]);
+        float len = length(r);
+        float effective = m.weight[k] * sums.count;
+        float mean_cosine = len / max(sums.share[k], 1e-20);
+        mean_cosine *= effective / (priors.concentration + effective);
+        m.kappa[k] = kappa_of(min(mean_cosine, largest_cosine));
+        if (len > 0.0) {
+            m.x[k] = r.x / len;
+            m.y[k] = r.y / len;
+            m.z[k] = r.z / len;
+        }
+    }
+    return m;
+}
+
+bool are_twins(VmfMixture m, uint i, uint j)
+{
+    float ratio = max(m.kappa[i], m.kappa[j]) / max(min(m.kappa[i], m.kappa[j]), 1e-20);
+    return dot(lobe_direction(m, i), lobe_direction(m, j)) > TWIN_COSINE && ratio < TWIN_KAPPA_RATIO;
+}
+
+/// The lobe that does least, when it does nothing; GUIDING_LOBES: none.
+uint find_idle_lobe(VmfMixture m)
+{
+    uint idle = GUIDING_LOBES;
+    for (uint k = 0u; k < GUIDING_LOBES; ++k) {
+        bool useless = m.weight[k] < IDLE_WEIGHT;
+        for (uint j = 0u; j < GUIDING_LOBES; ++j)
+            useless = useless || (j != k && m.weight[k] <= m.weight[j] && are_twins(m, k, j));
+        if (useless && (idle == GUIDING_LOBES || m.weight[k] < m.weight[idle]))
+            idle = k;
+    }
+    return idle;
+}
+
+/// Move a lobe to a direction that the others explain badly.
+VmfMixture reseed_lobe(VmfMixture m, uint k, vec3 w)
+{
+    m.x[k] = w.x;
+    m.y[k] = w.y;
+    m.z[k] = w.z;
+    m.kappa[k] = RESEEDED_KAPPA;
+    m.weight[k] = RESEEDED_WEIGHT;
+    m.weight /= dot(m.weight, vec4(1.0));
+    return m;
+}
+
+#endif

@@ -1,0 +1,86 @@
+// What a guide of GuidingFit means: in each cell of the grid a mixture of von Mises-Fisher lobes (see shaders/guide.glsl).
+#include "guiding_grid.glsl"
+#include "vmf_mixture.glsl"
+
+struct Guide {
+    VmfMixture mixture;
+    vec4 amplitude;  ///< density of each lobe on its axis, times its weight, 1/sr
+};
+
+/// Concentration of the lobe that resembles the cosine about a normal.
+const float COSINE_KAPPA = 2.18853;
+
+vec4 lobe_normalizations(VmfMixture m)
+{
+    return vec4(vmf_normalization(m.kappa.x), vmf_normalization(m.kappa.y), vmf_normalization(m.kappa.z), vmf_normalization(m.kappa.w));
+}
+
+/// Each lobe times the cosine about the normal, normalised together: the product of two vMFs is one (ALGORITHMS 2.4).
+void multiply_by_cosine(inout VmfMixture m, vec3 normal)
+{
+    float cosine_normalization = vmf_normalization(COSINE_KAPPA);
+    for (uint k = 0u; k < GUIDING_LOBES; ++k) {
+        vec3 axis = m.kappa[k] * lobe_direction(m, k) + COSINE_KAPPA * normal;
+        float kappa = length(axis);
+        m.weight[k] *= vmf_normalization(m.kappa[k]) * cosine_normalization / vmf_normalization(kappa) *
+                       exp(kappa - m.kappa[k] - COSINE_KAPPA);
+        axis = kappa > 0.0 ? axis / kappa : normal;
+        m.x[k] = axis.x;
+        m.y[k] = axis.y;
+        m.z[k] = axis.z;
+        m.kappa[k] = kappa;
+    }
+    m.weight /= max(dot(m.weight, vec4(1.0)), 1e-30);
+}
+
+/// Aim each lobe from where it is asked for at what it was fitted to, seen from the samples' mean place.  [Ruppert et al. 2020]
+void aim_lobes(inout VmfMixture m, GuidingMemory memory, vec3 center, float side, vec3 position)
+{
+    vec3 pivot = center + side * vec3(memory.places[4], memory.places[5], memory.places[6]) / max(memory.count, 1e-20);
+    for (uint k = 0u; k < GUIDING_LOBES; ++k) {
+        float inverse = memory.places[k] / max(memory.sums[4u * k + 3u], 1e-20);
+        vec3 axis = lobe_direction(m, k) + (pivot - position) * inverse;
+        float len = length(axis);
+        if (len <= 0.0)
+            continue;
+        m.x[k] = axis.x / len;
+        m.y[k] = axis.y / len;
+        m.z[k] = axis.z / len;
+    }
+}
+
+bool guide_lookup(Address guide, GuideQuery query, out Guide g)
+{
+    GuidingHeader header = GuidingHeaderRef(guide).at;
+    if (header.capacity == 0u)
+        return false;
+    uint64_t key = guiding_key(header.grid, query.position, face_of(query.normal), query.material);
+    uint slot = find_slot(guide, header.capacity, key);
+    if (slot == INVALID_INDEX)
+        return false;
+    GuidingCell cell = guiding_cells(guide, header.capacity).at[slot];
+    if (cell.samples <= 0.0)
+        return false;
+    g.mixture = unpack_mixture(cell);
+    if ((header.options & GUIDING_PARALLAX) != 0u)
+        aim_lobes(g.mixture, guiding_memories(guide, header.capacity).at[slot], key_center(header.grid, key),
+                  cell_side(header.grid, key_level(key)), query.position);
+    if ((header.options & GUIDING_COSINE) != 0u)
+        multiply_by_cosine(g.mixture, query.normal);
+    g.amplitude = g.mixture.weight * lobe_normalizations(g.mixture);
+    return true;
+}
+
+vec3 guide_sample(Guide g, vec3 u)
+{
+    uint k = select_lobe(g.mixture, u.z);
+    return sample_vmf(lobe_direction(g.mixture, k), g.mixture.kappa[k], u.xy);
+}
+
+float guide_pdf(Guide g, vec3 w)
+{
+    vec4 dx = w.x - g.mixture.x;
+    vec4 dy = w.y - g.mixture.y;
+    vec4 dz = w.z - g.mixture.z;
+    return dot(g.amplitude, exp(-0.5 * g.mixture.kappa * (dx * dx + dy * dy + dz * dz)));
+}

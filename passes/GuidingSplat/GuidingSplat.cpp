@@ -1,0 +1,84 @@
+#include "Shared.h"
+#include "render/frame.h"
+#include "shaders/path_vertex_types.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace restirpg {
+
+namespace {
+
+/// In the order of FINAL_EDGES_*.
+const std::vector<std::string> FINAL_EDGES = {"all", "scattered", "none"};
+
+}  // namespace
+
+class GuidingSplat final : public Pass {
+public:
+    void describe(Interface& io) override
+    {
+        // Whatever the bounce cap, readers take the vertices' count a pixel from the buffer's size.
+        io.optionalInput("vertices", vertices_, perPixel<PathVertex>("PathVertices"), "bounces of resampled paths, all of one weight (or `samples`)");
+        io.optionalInput("samples", samples_, perPixel<GuidingSample>("GuidingSamples"), "bounces of raw path trees, weighted by the light that came back (or `vertices`)");
+        io.optionalInput("guide", guide_, guide({}, {}), "the guide that drew the paths, one frame ago: prev(\"fit.guide\")");
+        io.output("statistics", statistics_, fixedSize("GuidingStatistics", [this] { return bytes(); }), "sufficient statistics of this frame, a cell");
+        io.knob("cells", cells_, 1u << 10, 1u << 24, "slots of the hash table, rounded up to a power of two");
+        io.structural();
+        io.knob("cell_size", cellSize_, 1e-3f, 1, "most that a cell's side spans, of the image's height");
+        io.knob("smallest_cell", smallestCell_, 1e-5f, 1, "least side of a cell, of the scene's radius");
+        io.choice("final_edges", finalEdges_, FINAL_EDGES, "which edges that end on a light count: all, those found by scattering, or none");
+        io.knob("incident", incident_, "divide by the BSDF and the cosine, so that lobes fit the incident radiance alone");
+        io.knob("parallax", parallax_, "add up distances and places, too, for lobes that are re-aimed within their cell");
+        io.structural();
+    }
+
+    void build(Device& device) override { kernel_ = Kernel(device, passFile("Splat.comp")); }
+
+    void record(Frame& frame) override
+    {
+        if (bool(vertices_) == bool(samples_))
+            fail("GuidingSplat: learns from vertices or from samples; wire one of the two");
+        const uint64_t pixels = uint64_t(frame.width()) * frame.height();
+        const uint64_t bytes = vertices_ ? vertices_->bytes() / sizeof(PathVertex) : samples_->bytes() / sizeof(GuidingSample);
+        GuidingSplatParameters parameters{};
+        parameters.frame = frame.constants();
+        parameters.vertices = addressOf(vertices_);
+        parameters.samples = addressOf(samples_);
+        parameters.guide = addressOf(guide_);
+        parameters.statistics = statistics_->address();
+        parameters.stride = uint32_t(bytes / pixels);
+        parameters.capacity = capacity();
+        parameters.finalEdges = uint32_t(std::find(FINAL_EDGES.begin(), FINAL_EDGES.end(), finalEdges_) - FINAL_EDGES.begin());
+        parameters.incident = incident_;
+        parameters.parallax = parallax_;
+        parameters.cellSize = cellSize_;
+        parameters.smallestCell = smallestCell_;
+        frame.fill(*statistics_.resource);
+        frame.dispatch(kernel_, parameters, frame.width(), frame.height(), parameters.stride);
+    }
+
+private:
+    uint32_t capacity() const { return std::bit_ceil(cells_); }
+
+    uint64_t bytes() const
+    {
+        const uint64_t slot = GUIDING_KEY_BYTES + GUIDING_SUMS_BYTES + (parallax_ ? GUIDING_PLACE_SUMS_BYTES : 0);
+        return GUIDING_HEADER_BYTES + slot * capacity();
+    }
+
+    In<Buffer> vertices_, samples_, guide_;
+    Out<Buffer> statistics_;
+    uint32_t cells_ = 1u << 16;
+    float cellSize_ = 16.0f / 1080;
+    float smallestCell_ = 1e-3f;
+    std::string finalEdges_ = "all";
+    bool incident_ = false;
+    bool parallax_ = false;
+    Kernel kernel_;
+};
+
+}  // namespace restirpg
+
+using restirpg::GuidingSplat;
+RESTIRPG_PASS(GuidingSplat, "Adds each path vertex to the sufficient statistics of its cell")

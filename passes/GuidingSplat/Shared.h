@@ -1,0 +1,29 @@
+// Parameters of GuidingSplat's kernel.
+#ifndef RESTIRPG_GUIDING_SPLAT_SHARED_H
+#define RESTIRPG_GUIDING_SPLAT_SHARED_H
+#include "shaders/frame_types.h"
+#include "shaders/guiding_grid_types.h"
+RESTIRPG_SHARED
+
+struct GuidingSplatParameters {
+    Address frame;  ///< FrameConstants
+    Address vertices;  ///< PathVertex, stride a pixel; 0: `samples` are read
+    Address samples;  ///< GuidingSample, stride a pixel
+    Address guide;  ///< of the frame that drew the paths; 0: none
+    Address statistics;  ///< zeroed
+    uint stride;  ///< vertices a pixel
+    uint capacity;  ///< slots, a power of two
+    uint finalEdges;  ///< FINAL_EDGES_*
+    uint incident;  ///< 1: weigh each vertex by 1 / (f |cos|), so that the incident radiance alone is fitted
+    uint parallax;  ///< 1: add up places, too
+    float cellSize;  ///< of the image's height
+    float smallestCell;  ///< of the scene's radius
+};
+
+// In the order of the knob's choices.
+RESTIRPG_CONST FINAL_EDGES_ALL = 0u;
+RESTIRPG_CONST FINAL_EDGES_SCATTERED = 1u;
+RESTIRPG_CONST FINAL_EDGES_NONE = 2u;
+
+RESTIRPG_SHARED_END
+#endif

@@ -1,0 +1,123 @@
+// Adds each vertex of the frame's paths to its cell: the E-step of EM against the mixture that the cell had when the paths were drawn.
+// [Zeng et al. 2025, section 4.3]
+#version 460
+#include "prelude.glsl"
+#include "Shared.h"
+#include "guiding_mixture.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform Push { GuidingSplatParameters params; };
+
+/// Not so small that its inverse would leave the fixed point's range.
+const float SHORTEST_DISTANCE = 1e-3;
+
+/// A vertex with its weight and the distance it looks to, m. Weight 0: not a sample.
+struct Sample {
+    PathVertex vertex;
+    float weight;
+    float distance;
+};
+
+GuidingGrid current_grid()
+{
+    GuidingGrid grid;
+    grid.camera = frame.c.camera.position;
+    grid.scale = params.cellSize * 2.0 * length(frame.c.camera.up);
+    vec4 cube = position_cube();
+    grid.origin = cube.xyz;
+    grid.smallest = params.smallestCell * SCENE.radius;
+    return grid;
+}
+
+bool is_wanted(PathVertex v)
+{
+    if (!is_valid(v))
+        return false;
+    if ((v.surface & VERTEX_FINAL) == 0u || params.finalEdges == FINAL_EDGES_ALL)
+        return true;
+    return params.finalEdges == FINAL_EDGES_SCATTERED && (v.surface & VERTEX_LIGHT_SAMPLED) == 0u;
+}
+
+Sample load_sample(uint index)
+{
+    Sample s = Sample(no_path_vertex(), 1.0, 0.0);
+    if (params.samples != 0ul) {
+        GuidingSample given = GuidingSampleArray(params.samples).at[index];
+        s = Sample(given.vertex, given.weight, given.distance);
+    } else {
+        s.vertex = PathVertexArray(params.vertices).at[index];
+        if (params.incident != 0u)
+            s.weight = 1.0 / vertex_scatter(s.vertex);
+    }
+    s.weight = is_wanted(s.vertex) ? min(s.weight, float(GUIDING_LARGEST_WEIGHT)) : 0.0;
+    return s;
+}
+
+int64_t to_fixed(float x)
+{
+    return int64_t(round(x * float(1u << GUIDING_FRACTION_BITS)));
+}
+
+/// How badly a density explains a sample, as a word that grows with it.
+uint strangeness(float log_density)
+{
+    return uint(clamp(256.0 * (128.0 - log_density), 0.0, 4294967040.0));
+}
+
+void add_places(uint slot, Sample s, vec4 shares, vec3 place)
+{
+    GuidingPlaceSumsArray sums = guiding_place_sums(params.statistics, params.capacity);
+    for (uint k = 0u; k < GUIDING_LOBES; ++k)
+        atomicAdd(sums.at[slot].lanes[k], uint64_t(to_fixed(s.weight * shares[k] / max(s.distance, SHORTEST_DISTANCE))));
+    for (uint axis = 0u; axis < 3u; ++axis)
+        atomicAdd(sums.at[slot].lanes[GUIDING_LOBES + axis], uint64_t(to_fixed(s.weight * place[axis])));
+}
+
+void add_sample(GuidingGrid grid, Sample s)
+{
+    vec3 position = unpack_position(s.vertex.position);
+    uint64_t key = guiding_key(grid, position, vertex_face(s.vertex), vertex_material(s.vertex));
+    GuidingHeaderRef header = GuidingHeaderRef(params.statistics);
+    bool taken;
+    uint probes;
+    uint slot = insert_key(params.statistics, params.capacity, key, taken, probes);
+    if (probes > 0u)
+        atomicAdd(header.at.collisions, probes);
+    if (taken)
+        atomicAdd(header.at.cells, 1u);
+    if (slot == INVALID_INDEX) {
+        atomicAdd(header.at.failed, 1u);
+        return;
+    }
+    vec3 w = unpack_direction(s.vertex.direction);
+    float log_density;
+    vec4 shares = responsibilities(previous_mixture(params.guide, grid, key), w, log_density);
+    GuidingSumsArray sums = guiding_sums(params.statistics, params.capacity);
+    for (uint k = 0u; k < GUIDING_LOBES; ++k) {
+        float share = s.weight * shares[k];
+        atomicAdd(sums.at[slot].lanes[4u * k], uint64_t(to_fixed(share * w.x)));
+        atomicAdd(sums.at[slot].lanes[4u * k + 1u], uint64_t(to_fixed(share * w.y)));
+        atomicAdd(sums.at[slot].lanes[4u * k + 2u], uint64_t(to_fixed(share * w.z)));
+        atomicAdd(sums.at[slot].lanes[4u * k + 3u], uint64_t(to_fixed(share)));
+    }
+    atomicMax(sums.at[slot].strangest, (uint64_t(strangeness(log_density)) << 32u) | uint64_t(s.vertex.direction));
+    atomicAdd(sums.at[slot].count, 1u);
+    if (params.parallax != 0u)
+        add_places(slot, s, shares, (position - key_center(grid, key)) / cell_side(grid, key_level(key)));
+}
+
+void main()
+{
+    frame = FrameRef(params.frame);
+    uvec3 at = gl_GlobalInvocationID;
+    if (any(greaterThanEqual(at, uvec3(frame.c.size, params.stride))))
+        return;
+    GuidingGrid grid = current_grid();
+    if (at == uvec3(0u)) {
+        GuidingHeaderRef(params.statistics).at.grid = grid;
+        GuidingHeaderRef(params.statistics).at.capacity = params.capacity;
+    }
+    Sample s = load_sample((at.y * frame.c.size.x + at.x) * params.stride + at.z);
+    if (s.weight > 0.0)
+        add_sample(grid, s);
+}
