@@ -32,7 +32,6 @@ struct GuidingHeader {
     GuidingGrid grid;
     uint capacity;  ///< slots, a power of two
     uint options;  ///< GUIDING_* flags
-    float minimum;  ///< samples that a cell must have been fitted to before it guides
     // Counts of the frame, for reports.
     uint cells;  ///< occupied slots
     uint collisions;  ///< slots found taken by another key while inserting

@@ -8,6 +8,8 @@
 #include "../../passes/Accumulate/Shared.h"
 #include "../../passes/ErrorMeasure/Shared.h"
 #include "../../passes/GBuffer/Shared.h"
+#include "../../passes/GuidingFit/Shared.h"
+#include "../../passes/GuidingSplat/Shared.h"
 #include "../../passes/PathTracerGuided/Shared.h"
 #include "../../passes/ReSTIRDI/Shared.h"
 #include "../../passes/ReSTIRReuse/Shared.h"
@@ -95,6 +97,17 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(ReuseParameters, frame, surface, previousSurface, motion, source, history, reservoirs, radiance,
            vertexSource, vertexHistory, vertices, cap, radius, normalThreshold, depthThreshold, neighbours, round,
            stride),
+    LAYOUT(GuidingGrid, camera, scale, origin, smallest),
+    LAYOUT(GuidingHeader, grid, capacity, options, cells, collisions, failed, samples, fitted, guiding),
+    LAYOUT(GuidingSums, lanes, strangest, count),
+    LAYOUT(GuidingPlaceSums, lanes),
+    LAYOUT(GuidingLobe, direction, kappa, weight),
+    LAYOUT(GuidingCell, lobes, age, samples),
+    LAYOUT(GuidingMemory, sums, count, places),
+    LAYOUT(GuidingSplatParameters, frame, vertices, samples, guide, statistics, stride, capacity, finalEdges, incident,
+           parallax, cellSize, smallestCell),
+    LAYOUT(GuidingFitParameters, frame, statistics, history, guide, capacity, options, remembers, pools, reseeds,
+           oldest, decay, minimum, weightPrior, concentrationPrior, largestKappa),
     LAYOUT(LightPoint, instance, index, place),
     LAYOUT(LightReservoir, point, ucw, confidence, target),
     LAYOUT(ReSTIRDIParameters, frame, surface, previousSurface, motion, history, source, reservoirs, radiance,
@@ -112,7 +125,8 @@ std::string kernelText()
         uses += fmt::format("    {0}Array(address).at[0] = {0}Array(address).at[1];\n", layout.name);
     }
     std::string includes = "#include \"prelude.glsl\"\n#include \"double_single_types.h\"\n#include \"path_vertex_types.h\"\n";
-    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "PathTracerGuided", "ReSTIRDI", "ReSTIRReuse"})
+    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "GuidingFit", "GuidingSplat", "PathTracerGuided",
+                             "ReSTIRDI", "ReSTIRReuse"})
         includes += fmt::format("#include \"{}/passes/{}/Shared.h\"\n", RESTIRPG_SOURCE, pass);
     return "#version 460\n" + includes +
            "layout(local_size_x = 1) in;\nlayout(push_constant) uniform Push { Address address; };\n" + declarations +
