@@ -6,27 +6,33 @@ The tracing pass is always called `paths`.
 from restirpg import Graph, prev
 
 
-def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, splat={}, fit={}):
+def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, cells="world", splat={}, fit={}):
     """The graph.
 
     temporal, rounds: reuse over frames, and rounds of reuse over pixels, for direct and indirect light alike.
     train: what the guide of the initial paths learns from, if there is one: "selected", the paths that resampling has
     selected; "candidates", those it chose from; "raw", all bounces of the candidates' path trees, weighted by the light
     that came back.
-    splat, fit: knobs of the guiding grid.
+    cells: where the guide is kept: "world", in the hash grid; "screen", a lobe a pixel, which learns from "raw" alone.
+    splat, fit: knobs of the guide's passes; in screen space there is only a fit.
     """
+    if cells == "screen" and train != "raw":
+        raise ValueError(f'a guide in screen space learns from train="raw" alone, not from {train!r}')
     g = Graph(name)
     gbuffer = g.add("gbuffer", "GBuffer", jitter=False)
     before = {"motion": gbuffer.motion, "previous_surface": prev("gbuffer.surface")}
     direct = g.add("direct", "ReSTIRDI", surface=gbuffer.surface, history=prev("direct.reservoirs"),
                    temporal=temporal, rounds=rounds, **before)
-    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=bounces,
-                  guide=prev("fit.guide") if train else None)
+    guide = prev("fit.guide") if train else None
+    if cells == "screen":
+        guide = g.add("guide", "GuidingScreen", surface=gbuffer.surface, samples=prev("paths.samples"),
+                      history=prev("guide.statistics"), **before, **fit).guide
+    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=bounces, guide=guide)
     vertices = {"candidate_vertices": paths.vertices, "history_vertices": prev("reuse.vertices")}
     reuse = g.add("reuse", "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates,
                   history=prev("reuse.reservoirs"), temporal=temporal, rounds=rounds, bounces=bounces,
                   **before, **(vertices if train == "selected" else {}))
-    if train:
+    if train and cells == "world":
         lessons = {"selected": {"vertices": reuse.vertices}, "candidates": {"vertices": paths.vertices},
                    "raw": {"samples": paths.samples}}[train]
         statistics = g.add("splat", "GuidingSplat", guide=prev("fit.guide"), **lessons, **splat)

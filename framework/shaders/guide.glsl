@@ -4,7 +4,8 @@
 //
 //   struct Guide { ... };                                                  one place's distribution, in registers
 //   bool guide_lookup(Address guide, GuideQuery query, out Guide g);       false: no guidance here
-//   vec3 guide_sample(Guide g, vec3 u);                                    a unit direction in world space, from three numbers
+//   vec3 guide_sample(Guide g, vec3 u);                                    a unit direction in world space, from three numbers; 0: this
+//                                                                          draw has none, and guide_pdf integrates to less than 1
 //   float guide_pdf(Guide g, vec3 w);                                      its density, 1/sr, over the whole sphere
 //
 // as pure functions: a lookup must give the same answer wherever it is repeated in a frame.

@@ -148,6 +148,8 @@ Scattered scatter_labelled(Vertex v, RandomKey key, uint u)
     bool guided = s.label == LABEL_SMOOTH && v.guided && random1(key, u, RANDOM_TECHNIQUE) >= params.alpha;
     if (guided) {
         s.wi = guide_sample(v.guide, vec3(numbers.xy, random1(key, u, RANDOM_GUIDE_LOBE)));
+        if (s.wi == vec3(0.0))
+            return s;
     } else {
         BsdfSample drawn = bsdf_sample_lobe(p.bsdf, p.wo, lobe, numbers.xy);
         if (drawn.pdf <= 0.0)

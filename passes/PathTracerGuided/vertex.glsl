@@ -50,6 +50,8 @@ BsdfSample scatter(Vertex v, RandomKey key, uint bounce)
     if (label_of_lobe(bsdf, lobe) == LABEL_SMOOTH && random1(key, bounce, RANDOM_TECHNIQUE) >= params.alpha) {
         s = no_bsdf_sample(lobe);
         s.wi = to_local(v.point.local_frame, guide_sample(v.guide, vec3(numbers.xy, random1(key, bounce, RANDOM_GUIDE_LOBE))));
+        if (s.wi == vec3(0.0))
+            return s;
     } else {
         s = bsdf_sample_lobe(bsdf, v.point.wo, lobe, numbers.xy);
         if (s.pdf <= 0.0)

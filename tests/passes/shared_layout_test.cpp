@@ -9,6 +9,7 @@
 #include "../../passes/ErrorMeasure/Shared.h"
 #include "../../passes/GBuffer/Shared.h"
 #include "../../passes/GuidingFit/Shared.h"
+#include "../../passes/GuidingScreen/Shared.h"
 #include "../../passes/GuidingSplat/Shared.h"
 #include "../../passes/PathTracerGuided/Shared.h"
 #include "../../passes/ReSTIRDI/Shared.h"
@@ -88,6 +89,11 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(ErrorMeasureParameters, frame, image, reference, lanes, total, map, errors),
     LAYOUT(GBufferParameters, frame, surface, emission, normal, geometricNormal, albedo, depth, motion, material,
            jitter),
+    LAYOUT(ScreenStatistics, first, second, weight, squaredWeight, samples),
+    LAYOUT(ScreenLobe, kind, mean, spread),
+    LAYOUT(GuidingScreenParameters, frame, surface, previousSurface, motion, samples, history, statistics, guide,
+           direction, peak, stride, kind, product, neighbours, smoothingFloor, prior, regularisation,
+           normalThreshold, depthThreshold),
     LAYOUT(PathTracerParameters, frame, surface, radiance, candidates, guide, vertices, samples, bounces, nextEventEstimation, direct,
            alpha),
     LAYOUT(PathReservoir, f, ucw, confidence, shape, labels, pixel, frame, prefix, sharpPdf, anchor, place, direction,
@@ -125,8 +131,8 @@ std::string kernelText()
         uses += fmt::format("    {0}Array(address).at[0] = {0}Array(address).at[1];\n", layout.name);
     }
     std::string includes = "#include \"prelude.glsl\"\n#include \"double_single_types.h\"\n#include \"path_vertex_types.h\"\n";
-    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "GuidingFit", "GuidingSplat", "PathTracerGuided",
-                             "ReSTIRDI", "ReSTIRReuse"})
+    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "GuidingFit", "GuidingScreen", "GuidingSplat",
+                             "PathTracerGuided", "ReSTIRDI", "ReSTIRReuse"})
         includes += fmt::format("#include \"{}/passes/{}/Shared.h\"\n", RESTIRPG_SOURCE, pass);
     return "#version 460\n" + includes +
            "layout(local_size_x = 1) in;\nlayout(push_constant) uniform Push { Address address; };\n" + declarations +

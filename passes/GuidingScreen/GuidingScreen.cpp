@@ -1,0 +1,90 @@
+#include "Shared.h"
+#include "render/frame.h"
+#include "shaders/path_vertex_types.h"
+
+#include <algorithm>
+
+namespace restirpg {
+
+static_assert(sizeof(ScreenStatistics) == 36);
+static_assert(sizeof(ScreenLobe) == 24);
+
+namespace {
+
+/// In the order of SCREEN_LOBE_*, less one.
+const std::vector<std::string> LOBES = {"gaussian", "vmf"};
+/// Pixels of the 5 x 5 window around one.
+constexpr uint32_t MAX_NEIGHBOURS = 24;
+
+}  // namespace
+
+class GuidingScreen final : public Pass {
+public:
+    void describe(Interface& io) override
+    {
+        const PortType statistics = perPixel<ScreenStatistics>("ScreenStatistics");
+        io.input("surface", surface_, perPixel<Hit>("Surface"), "primary hit of each pixel");
+        io.input("motion", motion_, image(2), "where the point was in the frame before, minus where it is, in pixels");
+        io.input("previous_surface", previousSurface_, perPixel<Hit>("Surface"), "the surface one frame ago: prev(\"gbuffer.surface\")");
+        io.input("samples", samples_, fixedSize("GuidingSamples", {}),
+                 "directions that paths took, weighted by the light they found, one frame ago: prev(\"paths.samples\")");
+        io.input("history", history_, statistics, "the output statistics, one frame ago: prev(\"guide.statistics\")");
+        io.output("guide", guide_, guide(perPixel<ScreenLobe>(""), passFile("guide.glsl")), "one lobe a pixel, for the bounce at the primary hit");
+        io.output("statistics", statistics_, statistics, "weighted moments of the directions that each pixel has seen");
+        io.output("direction", direction_, image(3), "the lobe's mean direction as a colour, (1 + xyz) / 2; black where there is no lobe");
+        io.output("peak", peak_, image(1), "the lobe's density at its mean direction, 1/sr");
+        io.choice("lobe", lobe_, LOBES, "a Gaussian in the equal-area square of the hemisphere about the normal, or a von Mises-Fisher lobe");
+        io.knob("product", product_, "fit the incident radiance times BSDF and cosine; off: the radiance alone");
+        io.knob("smoothing_floor", smoothingFloor_, 0.001f, 1, "least share of a new sample in the moments; until then they are plain means");
+        io.knob("neighbours", neighbours_, 0, MAX_NEIGHBOURS, "pixels of the 5x5 window around that lend their last sample");
+        io.knob("prior", prior_, 0, 1000, "how many samples, spread evenly over the hemisphere, each fit is mixed with");
+        io.knob("regularisation", regularisation_, 0, 0.1f, "variance added to the lobe on each axis of the unit square");
+        io.knob("normal_threshold", normalThreshold_, -1, 1, "least cosine between the shading normals of pixels that share");
+        io.knob("depth_threshold", depthThreshold_, 0, 1000, "most relative difference of their distances from the camera");
+    }
+
+    void build(Device& device) override { kernel_ = Kernel(device, passFile("GuidingScreen.comp")); }
+
+    void record(Frame& frame) override
+    {
+        const uint64_t pixels = uint64_t(frame.width()) * frame.height();
+        const auto kind = uint32_t(std::find(LOBES.begin(), LOBES.end(), lobe_) - LOBES.begin()) + 1;
+        frame.dispatchPixels(kernel_, GuidingScreenParameters{frame.constants(),
+                                                              surface_->address(),
+                                                              previousSurface_->address(),
+                                                              motion_->address(),
+                                                              samples_->address(),
+                                                              history_->address(),
+                                                              addressOf(statistics_),
+                                                              addressOf(guide_),
+                                                              addressOf(direction_),
+                                                              addressOf(peak_),
+                                                              uint32_t(samples_->bytes() / (pixels * sizeof(GuidingSample))),
+                                                              kind,
+                                                              product_,
+                                                              neighbours_,
+                                                              smoothingFloor_,
+                                                              prior_,
+                                                              regularisation_,
+                                                              normalThreshold_,
+                                                              depthThreshold_});
+    }
+
+private:
+    In<Buffer> surface_, motion_, previousSurface_, samples_, history_;
+    Out<Buffer> guide_, statistics_, direction_, peak_;
+    std::string lobe_ = "gaussian";
+    bool product_ = false;
+    float smoothingFloor_ = 0.02f;
+    uint32_t neighbours_ = 4;
+    float prior_ = 1;
+    float regularisation_ = 1e-3f;
+    float normalThreshold_ = 0.5f;
+    float depthThreshold_ = 0.1f;
+    Kernel kernel_;
+};
+
+}  // namespace restirpg
+
+using restirpg::GuidingScreen;
+RESTIRPG_PASS(GuidingScreen, "Fits one lobe a pixel to where the frames before found indirect light, to guide the primary hit's bounce")

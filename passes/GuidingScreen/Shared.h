@@ -1,0 +1,50 @@
+// What a pixel remembers and what it guides by: structs of GuidingScreen.comp and of the guide's module.
+#ifndef RESTIRPG_GUIDING_SCREEN_SHARED_H
+#define RESTIRPG_GUIDING_SCREEN_SHARED_H
+#include "shaders/frame_types.h"
+RESTIRPG_SHARED
+
+RESTIRPG_CONST SCREEN_LOBE_NONE = 0u;  ///< not guidable
+RESTIRPG_CONST SCREEN_LOBE_GAUSSIAN = 1u;  ///< in the equal-area square of the hemisphere about the normal (hemisphere_square.glsl)
+RESTIRPG_CONST SCREEN_LOBE_VMF = 2u;
+
+/// Weighted moments of the directions that a pixel has seen, smoothed over its samples. A weight is radiance over density.
+struct ScreenStatistics {
+    vec3 first;  ///< mean of weight times (Gaussian: place z in the square, 0; vMF: world-space direction)
+    vec3 second;  ///< Gaussian: mean of weight times (z_x^2, z_y^2, z_x z_y); vMF: unused
+    float weight;  ///< mean weight
+    float squaredWeight;  ///< mean of weight^2
+    float samples;  ///< how many samples the means stand for; at most 1 / floor
+};
+
+/// A pixel's distribution of directions.
+struct ScreenLobe {
+    uint kind;  ///< SCREEN_LOBE_*
+    vec2 mean;  ///< central direction as a place in the square
+    vec3 spread;  ///< Gaussian: L11, L21, L22 of the covariance L L^T in the square; vMF: kappa, 0, 0
+};
+
+struct GuidingScreenParameters {
+    Address frame;  ///< FrameConstants
+    Address surface;  ///< Hit a pixel
+    Address previousSurface;  ///< Hit a pixel, one frame ago
+    Address motion;  ///< vec2 a pixel
+    Address samples;  ///< GuidingSample, `stride` a pixel, one frame ago
+    Address history;  ///< ScreenStatistics a pixel, one frame ago
+    Address statistics;  ///< ScreenStatistics a pixel; 0: nobody reads it
+    Address guide;  ///< ScreenLobe a pixel; 0: nobody reads it
+    Address direction;  ///< vec3 a pixel; 0: nobody reads it
+    Address peak;  ///< float a pixel; 0: nobody reads it
+    uint stride;  ///< samples a pixel
+    uint kind;  ///< SCREEN_LOBE_*
+    uint product;  ///< 1: fit radiance times f |cos|
+    uint neighbours;  ///< pixels around that lend their samples
+    float smoothingFloor;  ///< least share of a new sample in the means
+    float prior;  ///< samples' worth of a uniform hemisphere in each fit
+    float regularisation;  ///< variance added to each axis, in the unit square
+    float normalThreshold;  ///< least cosine between normals of pixels that share
+    float depthThreshold;  ///< most relative difference of their distances from the camera
+};
+
+RESTIRPG_SHARED_END
+#endif

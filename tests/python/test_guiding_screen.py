@@ -1,0 +1,108 @@
+"""GuidingScreen: paths guided live by one lobe a pixel have the path tracer's mean, and its lobes are where the light comes from.
+
+Null hypothesis and false-alarm rate of the rendered tests: see scripts/harness/unbiased.py. Indirect light of the diffuse Cornell box,
+bounce cap 2. A live guide is fitted to the very paths that ReSTIR keeps: frame FRAME of each run is one sample.
+"""
+
+import sys
+
+import numpy as np
+import pytest
+from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
+
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from harness.statistics import luminance  # noqa: E402
+from harness.unbiased import Reference, compare, independent_runs  # noqa: E402
+
+BOUNCES = 2
+RUNS = 64
+FRAME = 8
+REFERENCE_FRAMES = 2048
+TESTS = 5  # that share the false-alarm rate
+
+
+def graph(output, guided=True, alpha=0.5, **knobs):
+    """ReSTIR PT over guided candidates. `output`: the port that is called radiance."""
+    g = restirpg.Graph("Guided in screen space")
+    gbuffer = g.add("gbuffer", "GBuffer", jitter=False)
+    before = {"motion": gbuffer.motion, "previous_surface": restirpg.prev("gbuffer.surface")}
+    guide = None
+    if guided:
+        guide = g.add("guide", "GuidingScreen", surface=gbuffer.surface, samples=restirpg.prev("paths.samples"),
+                      history=restirpg.prev("guide.statistics"), **before, **knobs).guide
+    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=BOUNCES, guide=guide, alpha=alpha)
+    g.add("reuse", "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates,
+          history=restirpg.prev("reuse.reservoirs"), **before)
+    image = g.add("accumulate", "Accumulate", indirect=paths.radiance, history=restirpg.prev("accumulate.sums"))
+    name, port = output.split(".")
+    g.output("radiance", getattr(g[name], port))
+    if not guided:
+        g.output("variance", image.variance)
+    return g
+
+
+@pytest.fixture(scope="module")
+def reference(scene):  # noqa: F811
+    """The plain path tracer's indirect light."""
+    renderer = make_renderer(scene, graph("accumulate.mean", guided=False), seed=1)
+    renderer.render(REFERENCE_FRAMES)
+    # The standard deviation of a luminance is at most that of fully correlated channels.
+    deviation = luminance(np.sqrt(renderer.output("variance")))
+    return Reference(luminance(renderer.output("radiance")), deviation**2 / REFERENCE_FRAMES)
+
+
+def check(scene, output, reference, **knobs):  # noqa: F811
+    """The given port's mean in frame FRAME is the reference's."""
+    images = independent_runs(make_renderer(scene, graph(output, **knobs)), RUNS, (FRAME,))[FRAME]
+    verdict = compare(images, reference, TESTS)
+    print(f"{output} {knobs}: {verdict}")
+    assert verdict.worst < 1 and verdict.mean < 4, str(verdict)
+
+
+@pytest.mark.parametrize("knobs", [{}, {"lobe": "vmf"}, {"alpha": 0.1, "product": True, "neighbours": 0, "prior": 0.0}],
+                         ids=["gaussian", "vmf", "reckless"])
+def test_live_guiding_keeps_the_path_tracers_mean(scene, reference, knobs):  # noqa: F811
+    check(scene, "paths.radiance", reference, **knobs)
+
+
+@pytest.mark.parametrize("lobe", ["gaussian", "vmf"])
+def test_restir_over_live_guiding_keeps_the_path_tracers_mean(scene, reference, lobe):  # noqa: F811
+    check(scene, "reuse.radiance", reference, lobe=lobe)
+
+
+def test_the_same_seed_gives_the_same_bytes(scene):  # noqa: F811
+    images = []
+    for _ in range(2):
+        renderer = make_renderer(scene, graph("reuse.radiance"), seed=3)
+        renderer.render(8)
+        images.append(renderer.output("radiance").tobytes())
+    assert images[0] == images[1]
+
+
+def test_lobes_point_away_from_their_surface_and_a_cut_forgets_them(scene):  # noqa: F811
+    described = graph("guide.direction")
+    described.output("normal", described["gbuffer"].geometric_normal)
+    renderer = make_renderer(scene, described, seed=1)
+    renderer.render(1)
+    assert not renderer.output("radiance").any(), "a lobe before the first sample"
+    renderer.render(15)
+    directions = 2 * renderer.output("radiance") - 1
+    guided = renderer.output("radiance").any(axis=2)
+    assert guided.mean() > 0.95
+    assert ((directions * renderer.output("normal")).sum(axis=2)[guided] > 0).all()
+    renderer.cut()
+    renderer.render(1)
+    assert not renderer.output("radiance").any()
+
+
+def test_what_the_camera_did_not_see_before_has_no_lobe(scene):  # noqa: F811
+    renderer = make_renderer(scene, graph("guide.peak"), seed=1)
+    renderer.render(8)
+    camera = renderer.camera
+    position, target = np.array(camera["position"]), np.array(camera["target"])
+    renderer.move_camera(position=tuple(target + 1.2 * (position - target)))
+    renderer.render(1)
+    guided = renderer.output("radiance")[..., 0] > 0
+    assert not np.concatenate([guided[0], guided[-1], guided[:, 0], guided[:, -1]]).any(), "a lobe at the border"
+    assert guided[4:-4, 4:-4].mean() > 0.9, "moments are lost on the way"
