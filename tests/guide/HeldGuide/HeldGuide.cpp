@@ -1,0 +1,50 @@
+// A guide of GuidingFit as it came, as it was once, or with lobes that mean nothing. Whatever a guide knows, the mean must stay.
+#include "HeldGuideShared.h"
+#include "render/frame.h"
+#include "shaders/guiding_grid_types.h"
+
+namespace restirpg {
+
+class HeldGuide final : public Pass {
+public:
+    void describe(Interface& io) override
+    {
+        const auto layout = fixedSize("", [this] { return bytes(); });
+        const PortType type = guide(layout, RESTIRPG_PASSES "/GuidingFit/guide.glsl");
+        io.input("guide", guide_, type, "a guide of GuidingFit that remembers, one frame ago");
+        io.input("history", history_, type, "the output, one frame ago");
+        io.output("guide", held_, type, "what is made of it");
+        io.knob("cells", cells_, 1u << 10, 1u << 24, "slots, as GuidingFit's: a power of two");
+        io.structural();
+        io.choice("mode", mode_, {"live", "frozen", "garbage"}, "the guide, what it was in frame `from`, or its cells with random narrow lobes");
+        io.knob("from", from_, 0, 1000, "frame of the guide that is frozen");
+    }
+
+    void build(Device& device) override { kernel_ = Kernel(device, passFile("HeldGuide.comp")); }
+
+    void record(Frame& frame) override
+    {
+        const bool frozen = mode_ == "frozen" && frame.index() > from_;
+        frame.copy(frozen ? *history_.resource : *guide_.resource, *held_.resource);
+        if (mode_ == "garbage")
+            frame.dispatch(kernel_, HeldGuideParameters{frame.constants(), held_->address()}, cells_);
+    }
+
+private:
+    uint64_t bytes() const
+    {
+        return GUIDING_HEADER_BYTES + uint64_t(GUIDING_KEY_BYTES + GUIDING_CELL_BYTES + GUIDING_MEMORY_BYTES) * cells_;
+    }
+
+    In<Buffer> guide_, history_;
+    Out<Buffer> held_;
+    uint32_t cells_ = 4096;
+    std::string mode_ = "live";
+    uint32_t from_ = 4;
+    Kernel kernel_;
+};
+
+}  // namespace restirpg
+
+using restirpg::HeldGuide;
+RESTIRPG_PASS(HeldGuide, "A test's guide: live, frozen or garbage")

@@ -1,0 +1,33 @@
+#version 460
+#include "prelude.glsl"
+#include "KnownVerticesShared.h"
+#include "random.glsl"
+#include "vmf_mixture.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform Push { KnownVerticesParameters params; };
+
+/// Of the scene's radius, between neighbouring places.
+const float SPACING = 0.03;
+
+VmfMixture known_mixture()
+{
+    return VmfMixture(vec4(0.6, -0.8, 0.0, 0.0), vec4(0.8, 0.6, 0.6, 0.28), vec4(0.0, 0.0, 0.8, -0.96), vec4(6.0, 20.0, 80.0, 300.0),
+                      vec4(0.4, 0.3, 0.2, 0.1));
+}
+
+void main()
+{
+    frame = FrameRef(params.frame);
+    uvec2 at = gl_GlobalInvocationID.xy;
+    if (any(greaterThanEqual(at, frame.c.size)))
+        return;
+    uint pixel = at.y * frame.c.size.x + at.x;
+    uint place = pixel % params.places;
+    vec3 position = SCENE.center + SPACING * SCENE.radius * vec3(float(place % 64u) - 31.5, 0.0, float(place / 64u) - 31.5);
+    VmfMixture m = known_mixture();
+    vec4 u = random4(random_key(at, frame.c.frame, frame.c.seed), 0u, 0u);
+    uint lobe = select_lobe(m, u.z);
+    vec3 w = params.identical != 0u ? lobe_direction(m, 0u) : sample_vmf(lobe_direction(m, lobe), m.kappa[lobe], u.xy);
+    PathVertexArray(params.vertices).at[pixel] = make_path_vertex(position, vec3(0.0, 1.0, 0.0), 3u, w, 1.0);
+}

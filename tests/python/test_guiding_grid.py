@@ -1,0 +1,251 @@
+"""The guiding grid against an oracle: on recorded vertices of real frames, GuidingSplat's keys and counts are those of
+guiding_oracle exactly, its sums within 2^-19 of the samples' weight, and GuidingFit's guide within 1% of guiding_fit_oracle's.
+
+Nothing here is statistical. Left out are cells that rounding decides: vertices within 10^-6 radii of a border, or lobes within
+10^-4 of a threshold of re-seeding. That these are few is tested, too.
+"""
+
+import subprocess
+import sys
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import guiding_fit_oracle as fit_oracle
+import guiding_oracle as oracle
+import numpy as np
+import pytest
+from renderer_scenes import ROOT, make_renderer, restirpg, scene  # noqa: F401
+from renderer_scenes import scene_file  # noqa: F401
+
+FRAMES = 6
+#: Cells of this part of the image's height hold some ten samples each at 32 x 32.
+CELL_SIZE = 0.15
+SUM_TOLERANCE = 2.0 ** -19  # of the samples' weight: single-precision exp; measured: 2^-21
+FIT_TOLERANCE = 0.01  # of kappa and weight; measured: 0.2%
+#: Under a moving camera, the middle of a cell that changes its level is a corner of finer ones, and rounding picks one of them.
+FEW = 0.05
+
+
+@dataclass
+class Recorded:
+    """One frame. `samples`: SAMPLE; `statistics`, `guide`: (header, table, keys); `before`: the guide a frame ago, or None."""
+    samples: np.ndarray
+    camera: dict
+    statistics: tuple
+    guide: tuple
+    before: tuple | None
+    knobs: dict
+
+    @property
+    def grid(self):
+        return oracle.grid_of(self.statistics[0])
+
+    @property
+    def previous(self):
+        """Grid and table of the guide a frame ago."""
+        return (oracle.grid_of(self.before[0]), self.before[1]) if self.before else (None, {})
+
+    @cached_property
+    def sums(self):
+        """The oracle's E-step."""
+        return oracle.e_step(self.samples, self.grid, *self.previous)
+
+
+def training_samples(renderer):
+    """What GuidingSplat takes in, as SAMPLE, weighted."""
+    splat, names = renderer.knobs()["splat"], renderer.output_names
+    if "samples" in names:
+        return renderer.read_port("paths.samples").view(oracle.SAMPLE).copy()
+    vertices = renderer.read_port("reuse.vertices").view(oracle.VERTEX)
+    samples = np.zeros(len(vertices), oracle.SAMPLE)
+    for name in oracle.VERTEX.names:
+        samples[name] = vertices[name]
+    scatter = np.exp2(((samples["surface"] >> 22).astype(float) - 512) / 32)
+    samples["weight"] = 1 / scatter if splat["incident"] else 1
+    samples["distance"] = 1
+    if splat["final_edges"] == "scattered":
+        samples["weight"][samples["surface"] & oracle.LIGHT_SAMPLED != 0] = 0
+    return samples
+
+
+def record(scene, graph, move=0.0, count=FRAMES, **knobs):  # noqa: F811
+    """`count` frames of a graph whose camera steps `move` m aside a frame. Knobs: pass__knob."""
+    renderer = make_renderer(scene, graph, seed=7)
+    for name, value in knobs.items():
+        renderer.set(name.replace("__", "."), value)
+    place = renderer.camera["position"]
+    values = renderer.knobs()
+    places = [oracle.PLACES] if values["splat"]["parallax"] else []
+    fit = values["fit"]
+    memory = [oracle.MEMORY] if fit["pool"] or fit["decay"] > 0 or fit["parallax"] else []
+    frames, before = [], None
+    for frame in range(count):
+        renderer.move_camera(position=(place[0] + move * frame, place[1], place[2]))
+        renderer.render(1)
+        guide = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, *memory)
+        statistics = oracle.read_table(renderer.read_port("splat.statistics"), oracle.SUMS, *places)
+        frames.append(Recorded(training_samples(renderer), renderer.camera, statistics, guide, before, values))
+        before = guide
+        assert np.isfinite(renderer.output("image")).all()
+    return frames
+
+
+def graph_of(name):
+    """A graph of graphs/, with what it trains on as outputs."""
+    description = restirpg.load_graph(ROOT / "graphs" / f"{name}.py").description
+    port = {"restir_pg": ("reuse", "vertices"), "raw_pt_ruppert2020": ("paths", "samples")}[name]
+    description["outputs"].append({"name": port[1], "pass": port[0], "output": port[1]})
+    return description
+
+
+CASES = {
+    "still": ("cornell_box", "restir_pg", {}),
+    "moving": ("door_ajar", "restir_pg", {"move": 0.04}),
+    "raw, parallax and decay": ("door_ajar", "raw_pt_ruppert2020", {"move": 0.04}),
+    "incident radiance": ("door_ajar", "restir_pg", {"splat__incident": True, "splat__final_edges": "scattered"}),
+    "neither pool nor memory": ("cornell_box", "restir_pg", {"fit__pool": False, "fit__oldest": 2, "fit__reseed": False}),
+}
+
+
+@pytest.fixture(scope="module", params=CASES, ids=lambda name: name.replace(" ", "-"))
+def frames(request, tmp_path_factory):
+    name, graph, options = CASES[request.param]
+    return record(load(name, tmp_path_factory), graph_of(graph), splat__cell_size=CELL_SIZE, **options)
+
+
+def load(name, tmp_path_factory):
+    """An embedded scene."""
+    folder = tmp_path_factory.getbasetemp() / "guiding_scenes"
+    subprocess.run([sys.executable, ROOT / "scripts" / "make_scenes.py", name, "--out", folder], check=True)
+    return restirpg.load_scene(folder / f"{name}.glb")
+
+
+def expected_sums(frame):
+    """The oracle's E-step, and the keys to be compared."""
+    sums = frame.sums
+    certain = [key for key, cell in sums.items() if not cell.doubtful]
+    assert len(certain) >= (1 - FEW) * len(sums)
+    return sums, certain
+
+
+def check_grid(frame):
+    """The grid is made from this frame's camera."""
+    header = frame.statistics[0]
+    height = 2 * np.tan(frame.camera["yfov"] / 2)
+    assert np.allclose(header["camera"], frame.camera["position"], atol=1e-6)
+    assert np.isclose(header["scale"], frame.knobs["splat"]["cell_size"] * height, rtol=1e-5)
+
+
+def check_keys_and_counts(frame):
+    sums, certain = expected_sums(frame)
+    header, table, keys = frame.statistics
+    if len(certain) == len(sums):
+        assert set(table) == set(sums)
+    assert set(certain) <= set(table)
+    assert all(table[key][0]["count"] == sums[key].count for key in certain)
+    assert sum(int(records[0]["count"]) for records in table.values()) == sum(cell.count for cell in sums.values())
+    assert header["cells"] == len(table) and header["failed"] == 0
+    assert oracle.slots_are_reachable(keys)
+
+
+def check_sums(frame):
+    sums, certain = expected_sums(frame)
+    for key in certain:
+        found, cell = frame.statistics[1][key], sums[key]
+        tolerance = SUM_TOLERANCE * cell.weight + cell.count / oracle.ONE
+        assert np.abs(found[0]["lanes"].reshape(oracle.LOBES, 4) / oracle.ONE - cell.sums).max() < tolerance
+        if len(found) > 1:
+            error = np.abs(found[1]["lanes"] / oracle.ONE - cell.places)
+            side = frame.grid.side(oracle.level_of(key))
+            assert error[:4].max() < SUM_TOLERANCE * cell.places[:4].sum() + cell.count / oracle.ONE
+            assert error[4:].max() < 1e-6 * frame.grid.radius / side * cell.weight + cell.count / oracle.ONE
+
+
+def check_strangest(frame):
+    """The sample that is explained worst is one of the cell's, and its log density is the least, to 1/256."""
+    sums, certain = expected_sums(frame)
+    for key in certain:
+        strangest = int(frame.statistics[1][key][0]["strangest"])
+        assert strangest & 0xffffffff in sums[key].directions
+        assert abs(128 - (strangest >> 32) / 256 - sums[key].worst) < 1 / 128
+
+
+def check_fit(frame):
+    """Parameters, ages, samples and memories of all cells, whether fitted now, pooled or carried on."""
+    expected = fit_oracle.fit_guide(frame.statistics[1], frame.grid, *frame.previous, frame.knobs["fit"])
+    guide = frame.guide[1]
+    assert set(guide) == set(expected)
+    certain = [key for key in expected if not expected[key].doubtful]
+    assert len(certain) >= (1 - FEW) * len(expected)
+    for key in certain:
+        check_cell(guide[key], expected[key])
+
+
+def check_cell(found, cell):
+    m = oracle.mixture_of(found[0])
+    assert np.allclose(m.kappa, cell.mixture.kappa, rtol=FIT_TOLERANCE, atol=2e-3)
+    assert np.allclose(m.weight, cell.mixture.weight, rtol=FIT_TOLERANCE, atol=1e-6)
+    assert np.isclose(m.weight.sum(), 1, atol=1e-5)
+    assert np.linalg.norm(m.mu - cell.mixture.mu, axis=-1).max() < 2e-4
+    assert found[0]["age"] == cell.age and np.isclose(found[0]["samples"], cell.samples, rtol=1e-5)
+    if cell.memory is not None:
+        memory = fit_oracle.memory_of(found[1])
+        assert np.allclose(memory[:17], cell.memory[:17], rtol=1e-4, atol=1e-4 * max(cell.memory[16], 1))
+        assert np.allclose(memory[17:], cell.memory[17:], rtol=1e-4, atol=1e-4 * max(np.abs(cell.memory[17:]).max(), 1))
+
+
+def check_counts_of_the_guide(frame):
+    header, guide, keys = frame.guide
+    cells = [records[0] for records in guide.values()]
+    assert header["cells"] == len(cells) and header["failed"] == 0
+    assert header["samples"] == sum(int(records[0]["count"]) for records in frame.statistics[1].values())
+    assert header["fitted"] == sum(cell["samples"] > 0 and cell["age"] == 0 for cell in cells)
+    assert header["guiding"] == sum(cell["samples"] > 0 for cell in cells)
+    assert oracle.slots_are_reachable(keys)
+
+
+CHECKS = (check_grid, check_keys_and_counts, check_sums, check_strangest, check_fit, check_counts_of_the_guide)
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
+def test_every_frame_is_as_the_oracle_says(frames, check):
+    for frame in frames:
+        check(frame)
+
+
+def test_the_frames_show_what_is_tested(frames):
+    """Cells are fitted, others wait for samples, and some had guidance before."""
+    last = frames[-1].guide
+    ages = np.array([records[0]["age"] for records in last[1].values()])
+    assert 0 < last[0]["fitted"] < last[0]["cells"] and (ages > 0).any() and frames[-1].before is not None
+
+
+def wrong_kappa(monkeypatch):
+    right = fit_oracle.m_step
+
+    def m_step(*arguments):
+        m = right(*arguments)
+        m.kappa = 1.05 * m.kappa
+        return m
+    monkeypatch.setattr(fit_oracle, "m_step", m_step)
+
+
+def wrong_normalization(monkeypatch):
+    right = oracle.Mixture.log_lobes
+    monkeypatch.setattr(oracle.Mixture, "log_lobes", lambda self, w: right(self, w) + 0.001 * np.sqrt(self.kappa))
+
+
+@pytest.mark.parametrize(("mutation", "check"), [(wrong_kappa, check_fit), (wrong_normalization, check_sums)],
+                         ids=["kappa 5% too large", "normalisation off by 0.1%"])
+def test_a_mistake_of_the_formulas_is_found(frames, monkeypatch, mutation, check):
+    mutation(monkeypatch)
+    with pytest.raises(AssertionError):
+        check(replace(frames[-1]))  # a copy has not worked out its sums yet
+
+
+def test_keys_of_the_previous_camera_are_found(tmp_path_factory):
+    knobs = {"splat__cell_size": CELL_SIZE}
+    first, last = record(load("door_ajar", tmp_path_factory), graph_of("restir_pg"), move=0.2, count=2, **knobs)
+    check_keys_and_counts(last)
+    with pytest.raises(AssertionError):
+        check_keys_and_counts(replace(last, statistics=(first.statistics[0], *last.statistics[1:])))

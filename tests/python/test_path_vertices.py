@@ -1,0 +1,131 @@
+"""The bounces that guides are trained on, against rays cast by brute force through the Cornell box (ALGORITHMS O15): the vertices of
+a pixel are those of one path, the one its reservoir holds, as it stands in this pixel. Nothing here is statistical.
+
+Stored positions are rounded to 2 x 10^-6 radii of the scene, directions to 3 x 10^-5: bounds are ten times that.
+"""
+
+import guiding_oracle as oracle
+import numpy as np
+import pytest
+from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
+from triangles import load_triangles
+
+FRAMES = 4
+PORTS = ["paths.vertices", "reuse.vertices"]
+#: Length of the edges that are tested, m: on shorter ones the rounding of positions shows.
+LONG = 0.02
+
+
+@pytest.fixture(scope="module")
+def box(scene_file):  # noqa: F811
+    return load_triangles(scene_file)
+
+
+@pytest.fixture(scope="module")
+def frames(scene):  # noqa: F811
+    """[(camera, {port: vertices (pixels, bounces), positions (pixels, bounces, 3)}, reservoirs)] of a camera that moves."""
+    graph = restirpg.load_graph(ROOT / "graphs" / "restir_pg.py").description
+    graph["outputs"] += [{"name": f"{p}_{o}", "pass": p, "output": o}
+                         for p, o in (("paths", "vertices"), ("reuse", "vertices"), ("reuse", "reservoirs"))]
+    renderer = make_renderer(scene, graph, seed=11)
+    result = []
+    for frame in range(FRAMES):
+        renderer.move_camera(position=(0.03 * frame, 1, 4.35), target=(0.03 * frame, 1, 0))
+        renderer.render(1)
+        header = oracle.read_table(renderer.read_port("splat.statistics"), oracle.SUMS)[0]
+        grid = oracle.grid_of(header)
+        vertices = {port: renderer.read_port(port).view(oracle.VERTEX).reshape(32 * 32, -1) for port in PORTS}
+        positions = {port: grid.positions(v["position"].ravel()).reshape(*v.shape, 3) for port, v in vertices.items()}
+        reservoirs = renderer.read_port("reuse.reservoirs").view(np.uint32).reshape(32 * 32, 23)
+        result.append((renderer.camera, grid, vertices, positions, reservoirs))
+    return result
+
+
+def valid(vertices):
+    return vertices["surface"] & oracle.VALID != 0
+
+
+def test_the_grid_spans_the_scene(frames, box):
+    for _, grid, *_ in frames:
+        assert np.isclose(grid.radius, box.radius, rtol=1e-5)
+        assert np.allclose(grid.origin, box.center - 2 * box.radius, atol=1e-5)
+
+
+@pytest.mark.parametrize("port", PORTS)
+def test_vertices_lie_on_surfaces_of_their_material_and_face(frames, box, port):
+    for _, _, vertices, positions, _ in frames:
+        here = valid(vertices[port])
+        points, surface = positions[port][here], vertices[port]["surface"][here]
+        distance, triangle = box.distances(points)
+        assert distance.max() < 2e-5 * box.radius
+        alone = box.distances(points + 1e-3)[1] == box.distances(points - 1e-3)[1]  # not at an edge of two surfaces
+        same = box.material[triangle] == (surface & 0xffff)
+        assert same[alone].all()
+        axis = surface >> 17 & 3
+        assert np.array_equal(np.abs(box.normals[triangle]).argmax(-1)[alone], axis[alone])
+
+
+@pytest.mark.parametrize("port", PORTS)
+def test_the_first_vertex_is_what_the_pixel_sees(frames, box, port):
+    y, x = np.divmod(np.arange(32 * 32), 32)
+    for camera, _, vertices, positions, _ in frames:
+        here = valid(vertices[port])[:, 0]
+        extent = np.tan(camera["yfov"] / 2)
+        rays = np.stack([(2 * (x + 0.5) / 32 - 1) * extent, (1 - 2 * (y + 0.5) / 32) * extent, np.full(32 * 32, -1.0)], -1)
+        rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+        origin = np.broadcast_to(camera["position"], rays.shape)
+        distance, triangle = box.cast(origin, rays)
+        seen = origin + distance[:, None] * rays
+        assert here.sum() > 300 and (triangle[here] >= 0).all()
+        assert np.linalg.norm(seen - positions[port][:, 0], axis=-1)[here].max() < 2e-4
+
+
+@pytest.mark.parametrize("port", PORTS)
+def test_every_direction_points_at_the_next_vertex(frames, port):
+    """The bounce before the reconnection vertex is aimed anew in each pixel: a copy of the source pixel's direction would miss."""
+    tested = 0
+    for _, _, vertices, positions, _ in frames:
+        both = valid(vertices[port])[:, :-1] & valid(vertices[port])[:, 1:]
+        edge = (positions[port][:, 1:] - positions[port][:, :-1])[both]
+        length = np.linalg.norm(edge, axis=-1)
+        w = oracle.unpack_direction(vertices[port]["direction"][:, :-1][both])
+        cosine = (edge * w).sum(-1) / length
+        tested += (length > LONG).sum()
+        assert cosine[length > LONG].min() > 1 - 1e-5
+    assert tested > 1000
+
+
+@pytest.mark.parametrize("port", PORTS)
+def test_paths_end_on_the_light_and_nowhere_before(frames, box, port):
+    """The last vertex, and no other, is marked, and its direction leads to the lamp unhindered."""
+    for _, _, vertices, positions, _ in frames:
+        surface, here = vertices[port]["surface"], valid(vertices[port])
+        final = surface & oracle.FINAL != 0
+        count = here.sum(-1)
+        assert np.array_equal(here, np.arange(here.shape[1]) < count[:, None])  # no sharp bounce in this scene
+        assert np.array_equal(final.argmax(-1)[count > 0], count[count > 0] - 1)
+        assert np.array_equal(final.sum(-1), count > 0)
+        assert not (surface[~final] & oracle.LIGHT_SAMPLED).any()
+        w = oracle.unpack_direction(vertices[port]["direction"][final])
+        _, triangle = box.cast(positions[port][final] + 1e-4 * w, w)
+        assert box.emissive[triangle].mean() > 0.995  # rays that graze the lamp's rim miss it by the rounding of directions
+
+
+def test_the_vertices_are_those_of_the_reservoirs_path(frames):
+    """As many as the path has bounces; none where the reservoir carries no light."""
+    for _, _, vertices, _, reservoirs in frames:
+        lit = reservoirs[:, 3].view(np.float32) > 0
+        bounces = np.where(lit, (reservoirs[:, 5] & 0xff).astype(int) - 1, 0)
+        assert lit.sum() > 300
+        assert np.array_equal(valid(vertices["reuse.vertices"]).sum(-1), bounces)
+
+
+def test_directions_of_another_pixel_are_found(frames):
+    """What a guide would learn if paths were splatted as they stood in the pixel that they came from."""
+    _, _, vertices, positions, _ = frames[-1]
+    first, second = positions["reuse.vertices"][:, 0], np.roll(positions["reuse.vertices"][:, 1], -1, 0)
+    here = valid(vertices["reuse.vertices"])[:, 1]
+    here &= np.roll(here, -1)
+    edge = (second - first)[here]
+    w = oracle.unpack_direction(vertices["reuse.vertices"]["direction"][:, 0][here])
+    assert ((edge * w).sum(-1) / np.linalg.norm(edge, axis=-1)).min() < 1 - 1e-5
