@@ -99,12 +99,18 @@ vec3 direct_contribution(ShadingPoint p, LightEdge e)
     return f * abs(wi.z) * e.radiance * e.jacobian * transmittance_leaving(p, e.wi, e.distance);
 }
 
-/// Does nothing stand between the surface point x, of geometric normal n, and the light point at the end of its edge?
-bool is_lit(vec3 x, vec3 n, LightEdge e)
+/// From the surface point x, of geometric normal n, to the light point at the end of its edge.
+ShadowRay shadow_ray_to_light(vec3 x, vec3 n, LightEdge e)
 {
     vec3 side = dot(n, e.wi) > 0.0 ? n : -n;
-    return e.distance < INFINITE_DISTANCE ? visible(x, side, e.position, e.normal)
-                                          : !trace_any(offset_origin(x, side), e.wi, RAY_INFINITY);
+    return e.distance < INFINITE_DISTANCE ? shadow_ray(x, side, e.position, e.normal)
+                                          : ShadowRay(offset_origin(x, side), e.wi, RAY_INFINITY);
+}
+
+/// Does nothing stand between?
+bool is_lit(vec3 x, vec3 n, LightEdge e)
+{
+    return is_free(shadow_ray_to_light(x, n, e));
 }
 
 #endif

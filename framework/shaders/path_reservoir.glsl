@@ -20,12 +20,24 @@ uint path_edges(PathReservoir r)
 /// Index k of the reconnection vertex; 0: none.
 uint reconnection_index(PathReservoir r)
 {
-    return r.shape >> 8u;
+    return (r.shape >> 8u) & 0xffu;
 }
 
-uint path_shape(uint edges, uint k)
+/// Was the bounce drawn from a delta lobe? Its label alone does not say: a sharp lobe is a delta on one surface and rough on another.
+bool is_delta_bounce(PathReservoir r, uint bounce)
 {
-    return edges | (k << 8u);
+    return (r.shape >> (15u + bounce) & 1u) != 0u;
+}
+
+void set_delta_bounce(inout PathReservoir r, uint bounce)
+{
+    r.shape |= 1u << (15u + bounce);
+}
+
+/// Set D and k.
+void set_path_shape(inout PathReservoir r, uint edges, uint k)
+{
+    r.shape = (r.shape & 0xffff0000u) | (k << 8u) | edges;
 }
 
 uint path_label(uint labels, uint bounce)

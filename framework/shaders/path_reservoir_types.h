@@ -11,7 +11,7 @@ struct PathReservoir {
     vec3 f;  ///< light the path sends to the camera, per product of solid angles (counting measure: delta lobes, punctual lights)
     float ucw;  ///< unbiased contribution weight W; 0: carries no light
     float confidence;  ///< M: how many candidate trees stand behind it
-    uint shape;  ///< D | k << 8
+    uint shape;  ///< D | k << 8 | bounce u is a delta: 1 << (15 + u)
     uint labels;  ///< LABEL_* of bounce u in bits 2u - 2 and 2u - 1
     uint pixel;  ///< key of the candidate's random numbers, with `frame`: replays sharp bounces
     uint frame;

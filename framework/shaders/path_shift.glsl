@@ -9,11 +9,31 @@
 
 #include "path_reservoir.glsl"
 
-/// The path so far: where it stands, and what it carries.
+// A test compiles this to false, to see that it is missed.
+#ifndef RESTIRPG_SHIFT_VISIBILITY
+#define RESTIRPG_SHIFT_VISIBILITY true
+#endif
+
+/// The path so far: where it stands, how it got there, and what it carries.
 struct PartialPath {
     ShadingPoint point;
     vec3 f;
     float sharp_pdf;
+    vec3 wi;  ///< of the last replayed bounce
+    bool found;  ///< that bounce met a surface; else the path still stands at the vertex before
+    Hit hit;
+};
+
+PartialPath begin_path(ShadingPoint x1)
+{
+    return PartialPath(x1, vec3(1.0), 1.0, vec3(0.0), true, Hit(0u, 0u, vec2(0.0)));
+}
+
+/// A connection of the path to what it keeps.
+struct Connection {
+    vec3 f;  ///< of the whole path
+    float geometry;  ///< of the new edge
+    ShadowRay ray;
 };
 
 /// The side of a surface that a ray leaves on.
@@ -23,12 +43,11 @@ vec3 side_towards(ShadingPoint p, vec3 wi)
 }
 
 /// The direction and value of a replayed bounce; false when the label does not exist here or carries nothing.
-bool replay_bounce(PathReservoir r, uint bounce, inout PartialPath path, out vec3 wi)
+bool replay_bounce(PathReservoir r, uint bounce, inout PartialPath path)
 {
     uint label = path_label(r.labels, bounce);
     ShadingPoint p = path.point;
     uint lobes = label_lobes(p.bsdf, label);
-    wi = vec3(0.0);
     if (lobes == 0u)
         return false;
     vec3 local;
@@ -36,77 +55,119 @@ bool replay_bounce(PathReservoir r, uint bounce, inout PartialPath path, out vec
     if (label == LABEL_SMOOTH) {
         if (bounce > PATH_PREFIX)
             return false;
-        wi = unpack_direction(r.prefix[bounce - 1u]);
-        local = to_local(p.local_frame, wi);
+        path.wi = unpack_direction(r.prefix[bounce - 1u]);
+        local = to_local(p.local_frame, path.wi);
         value = bsdf_eval(p.bsdf, p.wo, local, lobes) * abs(local.z);
     } else {
         RandomKey key = RandomKey(r.pixel, r.frame, frame.c.seed);
         BsdfSample s = bsdf_sample_lobe(p.bsdf, p.wo, lobes, random2(key, bounce, RANDOM_DIRECTION));
-        if (s.pdf <= 0.0)
+        // Between a delta and a rough lobe no measure is common: neither is the image of the other.
+        if (s.pdf <= 0.0 || s.delta != is_delta_bounce(r, bounce))
             return false;
         local = s.wi;
-        wi = to_world(p.local_frame, local);
+        path.wi = to_world(p.local_frame, local);
         value = s.weight * s.pdf;  // a delta's pdf is 1
         path.sharp_pdf *= s.pdf;
     }
     path.f *= value;
-    return value != vec3(0.0) && is_consistent(p, local, wi);
+    return value != vec3(0.0) && is_consistent(p, local, path.wi);
 }
 
-/// The end of a path without reconnection: the last, delta bounce has to find an emitter or the environment by itself, as it did.
-bool end_replay(inout PathReservoir r, PartialPath path, vec3 wi, bool found, Hit hit, float t, out vec3 f)
+/// Trace the ray of the last bounce; true: it met a surface, t away.
+bool trace_bounce(inout PartialPath path, out float t)
 {
-    f = vec3(0.0);
-    bool environment = anchored_light(r).instance == INVALID_INDEX;
-    if (found == environment)
-        return false;
-    if (environment) {
-        f = path.f * environment_radiance(wi) * transmittance_leaving(path.point, wi, INFINITE_DISTANCE);
-        set_anchor(r, point_in_environment(wi));
-        return true;
+    vec3 origin = offset_origin(path.point.position, side_towards(path.point, path.wi));
+    path.found = trace_closest(origin, path.wi, RAY_INFINITY, path.hit, t);
+    return path.found;
+}
+
+/// Follow the path's first bounces from x_1, to the vertex after them. Only the last bounce of a path may leave the scene.
+bool replay(PathReservoir r, ShadingPoint x1, uint bounces, out PartialPath path)
+{
+    path = begin_path(x1);
+    for (uint u = 1u; u <= bounces; ++u) {
+        if (!replay_bounce(r, u, path))
+            return false;
+        float t;
+        bool last = u + 1u == path_edges(r);
+        if (!trace_bounce(path, t))
+            return last;
+        // A path that could reconnect earlier here would never be shifted back to this one.
+        if (!last && is_connectable(path_label(r.labels, u), path_label(r.labels, u + 1u), t))
+            return false;
+        ShadingPoint next = shade_surface(load_surface(path.hit, false), -path.wi);
+        path.f *= transmittance_between(path.point, path.wi, t, next);
+        path.point = next;
     }
-    ShadingPoint emitter = shade_surface(load_surface(hit, false), -wi);
-    f = path.f * triangle_emission(hit.instance, hit.triangle, hit.barycentrics, emitter.front) *
-        transmittance_between(path.point, wi, t, emitter);
-    set_anchor(r, point_on_triangle(hit.instance, hit.triangle, hit.barycentrics));
     return true;
 }
 
-/// Connect to the light point; `geometry` receives the new edge's.
-bool connect_to_light(PathReservoir r, PartialPath path, out vec3 f, out float geometry)
+/// The end of a path without reconnection: its last, delta bounce has to find an emitter or the environment by itself, as it did.
+bool end_replay(inout PathReservoir r, PartialPath path)
+{
+    if (path.found == (anchored_light(r).instance == INVALID_INDEX))
+        return false;
+    if (path.found) {
+        r.f = path.f * triangle_emission(path.hit.instance, path.hit.triangle, path.hit.barycentrics, path.point.front);
+        set_anchor(r, point_on_triangle(path.hit.instance, path.hit.triangle, path.hit.barycentrics));
+    } else {
+        r.f = path.f * environment_radiance(path.wi) * transmittance_leaving(path.point, path.wi, INFINITE_DISTANCE);
+        set_anchor(r, point_in_environment(path.wi));
+    }
+    return true;
+}
+
+/// Connect to the light point.
+bool connect_to_light(PathReservoir r, PartialPath path, out Connection c)
 {
     ShadingPoint p = path.point;
     LightEdge e = edge_to_light(anchored_light(r), p.position, false);
-    geometry = e.jacobian;
-    f = vec3(0.0);
+    c = Connection(vec3(0.0), e.jacobian, shadow_ray_to_light(p.position, p.normal, e));
     vec3 wi = to_local(p.local_frame, e.wi);
     if (e.radiance == vec3(0.0) || e.jacobian <= 0.0 || !is_consistent(p, wi, e.wi))
         return false;
     uint lobes = label_lobes(p.bsdf, path_label(r.labels, path_edges(r) - 1u));
-    f = path.f * bsdf_eval(p.bsdf, p.wo, wi, lobes) * abs(wi.z) * e.radiance * transmittance_leaving(p, e.wi, e.distance);
-    return f != vec3(0.0) && is_lit(p.position, p.normal, e);
+    c.f = path.f * bsdf_eval(p.bsdf, p.wo, wi, lobes) * abs(wi.z) * e.radiance * transmittance_leaving(p, e.wi, e.distance);
+    return c.f != vec3(0.0);
+}
+
+/// Where the edge from p to the surface point y starts: where a scattered ray does, so that a path which scattering found and one
+/// shifted onto it agree to the last digits.
+vec3 connection_origin(ShadingPoint p, vec3 y)
+{
+    return offset_origin(p.position, side_towards(p, y - p.position));
 }
 
 /// Connect to the surface vertex x_k.
-bool connect_to_surface(PathReservoir r, PartialPath path, out vec3 f, out float geometry)
+bool connect_to_surface(PathReservoir r, PartialPath path, out Connection c)
 {
     ShadingPoint p = path.point;
     Surface surface = load_surface(anchored_hit(r), false);
-    vec3 d = surface.position - p.position;
+    vec3 side = side_towards(p, surface.position - p.position);
+    vec3 d = surface.position - connection_origin(p, surface.position);
     float t = length(d);
     vec3 wi = d / max(t, 1e-30);
     ShadingPoint q = shade_surface(surface, -wi);
-    geometry = edge_geometry(q.normal, wi, t);
-    f = vec3(0.0);
+    c = Connection(vec3(0.0), edge_geometry(q.normal, wi, t), shadow_ray(p.position, side, surface.position, q.normal));
     vec3 before = to_local(p.local_frame, wi);
     vec3 leaving = unpack_direction(r.direction);
     vec3 after = to_local(q.local_frame, leaving);
-    if (!is_connectable(LABEL_SMOOTH, LABEL_SMOOTH, t) || !is_consistent(p, before, wi) || !is_consistent(q, after, leaving))
+    // No scattered ray comes back through the surface that it left, as an edge to a point of the same plane would.
+    if (dot(side, wi) <= 0.0 || !is_connectable(LABEL_SMOOTH, LABEL_SMOOTH, t))
         return false;
-    f = path.f * bsdf_eval(p.bsdf, p.wo, before, label_lobes(p.bsdf, LABEL_SMOOTH)) * abs(before.z);
-    f *= bsdf_eval(q.bsdf, q.wo, after, label_lobes(q.bsdf, LABEL_SMOOTH)) * abs(after.z);
-    f *= transmittance_between(p, wi, t, q) * r.suffix;
-    return f != vec3(0.0) && geometry > 0.0 && visible(p.position, side_towards(p, wi), surface.position, q.normal);
+    if (!is_consistent(p, before, wi) || !is_consistent(q, after, leaving))
+        return false;
+    c.f = path.f * bsdf_eval(p.bsdf, p.wo, before, label_lobes(p.bsdf, LABEL_SMOOTH)) * abs(before.z);
+    c.f *= bsdf_eval(q.bsdf, q.wo, after, label_lobes(q.bsdf, LABEL_SMOOTH)) * abs(after.z);
+    c.f *= transmittance_between(p, wi, t, q) * r.suffix;
+    return c.f != vec3(0.0);
+}
+
+/// How many bounces of a path its shift replays: all, or those before the one that reconnects.
+uint replayed_bounces(PathReservoir r)
+{
+    uint k = reconnection_index(r);
+    return k > 0u ? k - 2u : path_edges(r) - 1u;
 }
 
 /// Shift a path to the pixel whose primary hit is x1 (shaded for its own camera). `shifted` is the path there, its ucw and
@@ -115,37 +176,24 @@ bool shift_path(PathReservoir source, ShadingPoint x1, out PathReservoir shifted
 {
     shifted = source;
     jacobian = 0.0;
-    uint edges = path_edges(source);
+    PartialPath path;
+    if (!replay(source, x1, replayed_bounces(source), path))
+        return false;
     uint k = reconnection_index(source);
-    uint replayed = k > 0u ? k - 2u : edges - 1u;
-    PartialPath path = PartialPath(x1, vec3(1.0), 1.0);
-
-    for (uint u = 1u; u <= replayed; ++u) {
-        vec3 wi;
-        if (!replay_bounce(source, u, path, wi))
+    if (k == 0u) {
+        if (!end_replay(shifted, path))
             return false;
-        Hit hit;
-        float t;
-        bool found = trace_closest(offset_origin(path.point.position, side_towards(path.point, wi)), wi, RAY_INFINITY, hit, t);
-        if (u == edges - 1u) {
-            jacobian = source.sharpPdf / path.sharp_pdf;
-            shifted.sharpPdf = path.sharp_pdf;
-            return end_replay(shifted, path, wi, found, hit, t, shifted.f) && luminance(shifted.f) > 0.0;
-        }
-        if (!found)
+    } else {
+        Connection c;
+        bool connected = k == path_edges(source) ? connect_to_light(source, path, c) : connect_to_surface(source, path, c);
+        if (!connected || (RESTIRPG_SHIFT_VISIBILITY && !is_free(c.ray)))
             return false;
-        ShadingPoint next = shade_surface(load_surface(hit, false), -wi);
-        // A path that could reconnect earlier there would never be shifted back to this one.
-        if (is_connectable(path_label(source.labels, u), path_label(source.labels, u + 1u), t))
-            return false;
-        path.f *= transmittance_between(path.point, wi, t, next);
-        path.point = next;
+        shifted.f = c.f;
+        shifted.geometry = c.geometry;
     }
-    bool connected = k == edges ? connect_to_light(source, path, shifted.f, shifted.geometry)
-                                : connect_to_surface(source, path, shifted.f, shifted.geometry);
-    jacobian = source.sharpPdf / path.sharp_pdf * shifted.geometry / source.geometry;
     shifted.sharpPdf = path.sharp_pdf;
-    return connected && luminance(shifted.f) > 0.0 && jacobian > 0.0 && !isinf(jacobian);
+    jacobian = source.sharpPdf / path.sharp_pdf * shifted.geometry / source.geometry;
+    return luminance(shifted.f) > 0.0 && jacobian > 0.0 && !isinf(jacobian);
 }
 
 #endif

@@ -53,11 +53,29 @@ vec3 offset_origin(vec3 p, vec3 n)
     return mix(stepped, p + FLOAT_STEP * n, lessThan(abs(p), vec3(NEAR_ORIGIN)));
 }
 
-/// Is y seen from x? Both are moved off their surfaces: nx and ny point to the sides that face each other.
-bool visible(vec3 x, vec3 nx, vec3 y, vec3 ny)
+/// A ray that must meet nothing before t_max, in units of its direction.
+struct ShadowRay {
+    vec3 origin;
+    vec3 direction;
+    float t_max;
+};
+
+/// Between the surface points x and y. Both are moved off their surfaces: nx and ny point to the sides that face each other.
+ShadowRay shadow_ray(vec3 x, vec3 nx, vec3 y, vec3 ny)
 {
     vec3 origin = offset_origin(x, nx);
-    return !trace_any(origin, offset_origin(y, ny) - origin, 1.0);
+    return ShadowRay(origin, offset_origin(y, ny) - origin, 1.0);
+}
+
+bool is_free(ShadowRay ray)
+{
+    return !trace_any(ray.origin, ray.direction, ray.t_max);
+}
+
+/// Is y seen from x? See shadow_ray.
+bool visible(vec3 x, vec3 nx, vec3 y, vec3 ny)
+{
+    return is_free(shadow_ray(x, nx, y, ny));
 }
 
 #endif

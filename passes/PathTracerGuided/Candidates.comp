@@ -55,6 +55,15 @@ vec3 label_shares(Vertex v, vec3 local)
     return shares / max(shares.x + shares.y + shares.z, 1e-30);
 }
 
+/// The edge from a vertex at x to a light point; with the fault, the point's measure is taken for solid angle.
+LightEdge edge_in_tree(LightPoint point, vec3 x)
+{
+    LightEdge e = edge_to_light(point, x, false);
+    if (RESTIRPG_FAULT == TREE_FAULT_LIGHT_MEASURE && e.jacobian > 0.0)
+        e.light_pdf *= e.jacobian;
+    return e;
+}
+
 /// Weigh a whole path against those before it. `last` is its last bounce.
 void offer(PathReservoir path, float weight, float u, PathVertex last)
 {
@@ -73,29 +82,60 @@ PathVertex record_bounce(Vertex v, uint label, vec3 wi, vec3 value)
     return label == LABEL_SMOOTH ? make_path_vertex(v.point.position, v.point.normal, v.material, wi, luminance(value)) : no_path_vertex();
 }
 
-/// The path that leaves the tree's vertex x_u with `label` in direction wi and ends on the light at `e`. `value` is the last
-/// bounce's, `beyond` the light times the absorption on the way.
-PathReservoir end_path(Tree tree, uint u, uint label, vec3 wi, vec3 value, vec3 beyond, LightPoint light, float light_geometry)
+/// A direction with its label: what the tree takes along an edge.
+struct Bounce {
+    uint label;
+    bool delta;
+    vec3 local;
+    vec3 wi;
+    vec3 value;  ///< f |cos|; of a delta its throughput
+    float density;  ///< P(l) Q_l; of a delta P(l)
+    float replay_pdf;  ///< density of a rough sharp lobe's own draw; else 1
+};
+
+/// f |cos| of a label's rough lobes in a world direction.
+vec3 label_value_along(Vertex v, uint label, vec3 wi)
+{
+    vec3 local = to_local(v.point.local_frame, wi);
+    return is_consistent(v.point, local, wi) ? label_value(v, label, local) : vec3(0.0);
+}
+
+/// The tree's vertex becomes x_k, which the path leaves in direction wi.
+void reconnect_at_vertex(inout PathReservoir path, Tree tree, vec3 wi)
+{
+    path.anchor = uvec2(tree.hit.instance, tree.hit.triangle);
+    path.place = tree.hit.barycentrics;
+    path.direction = pack_direction(wi);
+    path.geometry = tree.arrival_geometry;
+    path.suffix = vec3(1.0);
+}
+
+/// The path that leaves the tree's vertex x_u by `bounce` and ends on the light at `point`, at the end of edge e. `radiance`: of the
+/// light, times the absorption on the way. f is that of the path as a shift would rebuild it: the stored direction, or the light's.
+PathReservoir end_path(Tree tree, Vertex v, uint u, Bounce bounce, LightPoint point, LightEdge e, vec3 radiance)
 {
     PathReservoir path = tree.path;
-    path.labels = set_path_label(path.labels, u, label);
-    path.f = tree.f * value * beyond;
+    path.labels = set_path_label(path.labels, u, bounce.label);
     uint k = tree.k;
-    if (k > 0u && k < u) {
-        path.suffix *= value * beyond;
-    } else if (u >= 2u && is_connectable(path_label(path.labels, u - 1u), label, tree.arrival)) {
+    bool interior = k == 0u && u >= 2u && is_connectable(path_label(path.labels, u - 1u), bounce.label, tree.arrival);
+    if (k == 0u && !bounce.delta)
+        bounce.value = label_value_along(v, bounce.label, interior ? unpack_direction(pack_direction(bounce.wi)) : e.wi);
+    vec3 end = bounce.value * radiance;
+    path.f = tree.f * end;
+    if (k > 0u) {
+        path.suffix *= end;
+    } else if (interior) {
         k = u;
-        path.anchor = uvec2(tree.hit.instance, tree.hit.triangle);
-        path.place = tree.hit.barycentrics;
-        path.direction = pack_direction(wi);
-        path.geometry = tree.arrival_geometry;
-        path.suffix = beyond;
+        reconnect_at_vertex(path, tree, bounce.wi);
+        path.suffix = radiance;
     } else {
-        k = u + 1u;
-        set_anchor(path, light);
-        path.geometry = light_geometry;
+        k = bounce.delta ? 0u : u + 1u;  // nothing connects through a delta
+        set_anchor(path, point);
+        path.geometry = bounce.delta ? 1.0 : e.jacobian;
     }
-    path.shape = path_shape(u + 1u, k);
+    if (bounce.delta)
+        set_delta_bounce(path, u);
+    set_path_shape(path, u + 1u, k);
     return path;
 }
 
@@ -106,7 +146,7 @@ void offer_light_sample(Tree tree, Vertex v, uint u, RandomKey key, RandomKey ch
     ShadingPoint p = v.point;
     if (bsdf_rough_lobes(p.bsdf, LOBE_ALL) == 0u || !sample_light_point(random4(key, u, RANDOM_LIGHT), point))
         return;
-    LightEdge e = edge_to_light(point, p.position, false);
+    LightEdge e = edge_in_tree(point, p.position);
     vec3 local = to_local(p.local_frame, e.wi);
     if (e.radiance == vec3(0.0) || e.jacobian <= 0.0 || e.light_pdf <= 0.0 || !is_consistent(p, local, e.wi))
         return;
@@ -115,34 +155,23 @@ void offer_light_sample(Tree tree, Vertex v, uint u, RandomKey key, RandomKey ch
     uint label = numbers.x < shares.x ? LABEL_SMOOTH : numbers.x < shares.x + shares.y ? LABEL_SHARP_REFLECT : LABEL_SHARP_TRANSMIT;
     if (shares[label] <= 0.0 || !is_lit(p.position, p.normal, e))
         return;
-    vec3 value = label_value(v, label, local);
+    Bounce bounce = Bounce(label, false, local, e.wi, label_value(v, label, local), 0.0, 1.0);
     float density = e.light_pdf / e.jacobian * shares[label] + (e.delta ? 0.0 : label_density(v, label, local, e.wi));
-    vec3 beyond = e.radiance * transmittance_leaving(p, e.wi, e.distance);
-    PathReservoir path = end_path(tree, u, label, e.wi, value, beyond, point, e.jacobian);
-    PathVertex last = record_bounce(v, label, e.wi, value);
+    vec3 light = e.radiance * transmittance_leaving(p, e.wi, e.distance);
+    PathReservoir path = end_path(tree, v, u, bounce, point, e, light);
+    PathVertex last = record_bounce(v, label, e.wi, bounce.value);
     set_final(last, true);
     offer(path, luminance(path.f) * tree.inverse_pdf / density, numbers.y, last);
-    note_light(u, value * beyond / density);
+    note_light(u, bounce.value * light / density);
 }
 
-/// A scattered direction with its label: what the tree takes along an edge.
-struct Scattered {
-    uint label;
-    bool delta;
-    vec3 local;
-    vec3 wi;
-    vec3 value;  ///< f |cos|; of a delta its throughput
-    float density;  ///< P(l) Q_l; of a delta P(l)
-    float replay_pdf;  ///< density of a rough sharp lobe's own draw; else 1
-};
-
 /// Draw the label, then the direction: by BSDF or guide within the smooth label, by the lobe alone within a sharp one. density 0: none.
-Scattered scatter_labelled(Vertex v, RandomKey key, uint u)
+Bounce scatter_labelled(Vertex v, RandomKey key, uint u)
 {
     ShadingPoint p = v.point;
     vec4 numbers = random4(key, u, RANDOM_DIRECTION);
     uint lobe = bsdf_select_lobe(p.bsdf, p.wo, LOBE_ALL, numbers.z);
-    Scattered s = Scattered(label_of_lobe(p.bsdf, lobe), false, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 1.0);
+    Bounce s = Bounce(label_of_lobe(p.bsdf, lobe), false, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 1.0);
     if (lobe == 0u)
         return s;
     bool guided = s.label == LABEL_SMOOTH && v.guided && random1(key, u, RANDOM_TECHNIQUE) >= params.alpha;
@@ -173,17 +202,15 @@ Scattered scatter_labelled(Vertex v, RandomKey key, uint u)
 }
 
 /// Offer the path whose scattered edge has met a light.
-void offer_found_light(Tree tree, Vertex v, uint u, Scattered s, LightPoint point, vec3 radiance, vec3 absorption, RandomKey choices)
+void offer_found_light(Tree tree, Vertex v, uint u, Bounce s, LightPoint point, vec3 radiance, vec3 absorption, RandomKey choices)
 {
-    LightEdge e = edge_to_light(point, v.point.position, false);
+    if (RESTIRPG_FAULT == TREE_FAULT_FOUND_LIGHTS)
+        return;
+    LightEdge e = edge_in_tree(point, v.point.position);
     float density = s.density;
-    if (!s.delta && e.jacobian > 0.0)
+    if (!s.delta && e.jacobian > 0.0 && params.nextEventEstimation != 0u)
         density += e.light_pdf / e.jacobian * label_shares(v, s.local)[s.label];
-    PathReservoir path = end_path(tree, u, s.label, s.wi, s.value, radiance * absorption, point, e.jacobian);
-    if (s.delta && reconnection_index(path) == u + 1u) {
-        path.shape = path_shape(u + 1u, 0u);  // nothing connects through a delta
-        path.geometry = 1.0;
-    }
+    PathReservoir path = end_path(tree, v, u, s, point, e, radiance * absorption);
     PathVertex last = record_bounce(v, s.label, s.wi, s.value);
     set_final(last, false);
     offer(path, luminance(path.f) * tree.inverse_pdf / density, random4(choices, u, 0u).z, last);
@@ -191,20 +218,18 @@ void offer_found_light(Tree tree, Vertex v, uint u, Scattered s, LightPoint poin
 }
 
 /// Note the bounce in the path: label, direction, replay density, and the reconnection if this edge's end is the first that can.
-void extend_path(inout Tree tree, uint u, Scattered s)
+void extend_path(inout Tree tree, uint u, Bounce s)
 {
     tree.path.labels = set_path_label(tree.path.labels, u, s.label);
+    if (s.delta)
+        set_delta_bounce(tree.path, u);
     if (s.label == LABEL_SMOOTH && u <= PATH_PREFIX)
         tree.path.prefix[u - 1u] = pack_direction(s.wi);
     if (tree.k > 0u)
         return;
     if (u >= 2u && is_connectable(path_label(tree.path.labels, u - 1u), s.label, tree.arrival)) {
         tree.k = u;
-        tree.path.anchor = uvec2(tree.hit.instance, tree.hit.triangle);
-        tree.path.place = tree.hit.barycentrics;
-        tree.path.direction = pack_direction(s.wi);
-        tree.path.geometry = tree.arrival_geometry;
-        tree.path.suffix = vec3(1.0);
+        reconnect_at_vertex(tree.path, tree, s.wi);
     }
 }
 
@@ -219,9 +244,11 @@ void trace_tree(Hit hit, uvec2 at)
     Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), at, 1u);
 
     for (uint u = 1u; u <= params.bounces + 1u; ++u) {
-        if (u > 1u)  // direct light at x_1 is ReSTIR DI's, but for what delta lobes find (O5)
+        if (u > 1u && params.nextEventEstimation != 0u)  // direct light at x_1 is ReSTIR DI's, but for what delta lobes find (O5)
             offer_light_sample(tree, v, u, key, choices);
-        Scattered s = scatter_labelled(v, key, u);
+        Bounce s = scatter_labelled(v, key, u);
+        if (RESTIRPG_FAULT == TREE_FAULT_LABEL_PROBABILITY)
+            s.density /= label_probability(v.point.bsdf, v.point.wo, s.label);
         if (s.density <= 0.0 || s.value == vec3(0.0) || !is_consistent(v.point, s.local, s.wi))
             return;
 

@@ -3,12 +3,16 @@
 #include "shaders/path_reservoir_types.h"
 #include "shaders/path_vertex_types.h"
 
+#include <algorithm>
+
 namespace restirpg {
 
 namespace {
 
 /// The labels of a candidate's bounces have to fit its reservoir.
 constexpr uint32_t MAX_CANDIDATE_BOUNCES = PATH_MAX_EDGES - 2;
+/// In the order of TREE_FAULT_*.
+const std::vector<std::string> FAULTS = {"none", "label_probability", "light_measure", "found_lights"};
 
 }  // namespace
 
@@ -30,6 +34,8 @@ public:
         io.knob("nee", nee_, "connect every vertex to a light, weighted against scattering by the balance heuristic");
         io.knob("direct", direct_, "include direct light at the primary hit; off where ReSTIRDI owns it (through delta lobes it is always included)");
         io.knob("alpha", alpha_, 0, 1, "probability of sampling a smooth bounce by the BSDF instead of the guide, where there is guidance (Zeng et al. 2025: 0.5)");
+        io.choice("fault", fault_, FAULTS, "for tests only: build this mistake into the candidates");
+        io.structural();
     }
 
     void build(Device& device) override
@@ -37,10 +43,13 @@ public:
         const bool guided = !guide_.module.empty();
         const Defines defines = {{"GUIDED", guided ? "1" : "0"}, {"VERTICES", vertices_ ? "1" : "0"}, {"SAMPLES", samples_ ? "1" : "0"}};
         const Includes includes = {{"guide_module.glsl", guide_.module}};
+        const auto fault = std::find(FAULTS.begin(), FAULTS.end(), fault_) - FAULTS.begin();
+        Defines treeDefines = defines;
+        treeDefines["RESTIRPG_FAULT"] = std::to_string(fault) + "u";
         if (radiance_)
             kernel_ = Kernel(device, passFile("PathTracerGuided.comp"), defines, includes);
         if (wantsTree())
-            treeKernel_ = Kernel(device, passFile("Candidates.comp"), defines, includes);
+            treeKernel_ = Kernel(device, passFile("Candidates.comp"), treeDefines, includes);
     }
 
     void record(Frame& frame) override
@@ -75,6 +84,7 @@ private:
     bool nee_ = true;
     bool direct_ = false;
     float alpha_ = 0.5f;
+    std::string fault_ = "none";
     Kernel kernel_, treeKernel_;
 };
 

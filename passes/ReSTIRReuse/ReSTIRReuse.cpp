@@ -15,7 +15,8 @@ constexpr float LEAST_RADIUS = 3.0f;
 /// Lines of the image for which the knob `radius` is in pixels.
 constexpr float RADIUS_LINES = 1080.0f;
 /// In the order of REUSE_FAULT_*.
-const std::vector<std::string> FAULTS = {"none", "jacobian", "mis", "cap", "previous_camera", "confidence"};
+const std::vector<std::string> FAULTS = {"none",       "jacobian",   "mis",           "cap",          "previous_camera",
+                                         "confidence", "visibility", "light_measure", "sharp_density"};
 
 }  // namespace
 

@@ -34,36 +34,29 @@ Neighbours find_neighbours(uvec2 at, Hit hit)
     return n;
 }
 
-/// A neighbour's share against the centre, with all neighbours' confidence on its side. Targets in one measure.
-float pairwise_share(float neighbours_confidence, float there, float centre_confidence, float here)
-{
-    float share = neighbours_confidence * there;
-    return share > 0.0 ? share / (share + centre_confidence * here) : 0.0;
-}
-
 Choice merge_neighbours(uvec2 at, Hit hit, Choice kept, Neighbours n)
 {
     PathReservoir own = kept.path;
     uint centre = kept.owner;
     ShadingPoint here = load_domain(hit, false);
     float total = own.confidence + n.confidence;
-    float own_target = luminance(own.f);
     float own_weight = own.confidence / total;
     for (uint i = 0u; i < n.count; ++i) {
         PathReservoir r = PathReservoirArray(params.source).at[n.pixel[i]];
         ShadingPoint there = load_domain(HitArray(params.surface).at[n.pixel[i]], false);
         float part = r.confidence / total;
-        own_weight += part * (1.0 - pairwise_share(n.confidence, target_in(own, there), own.confidence, own_target));
+        own_weight += part * share_left(own, there, own.confidence, n.confidence);
         PathReservoir shifted;
         float jacobian;
         if (!shift_to(r, here, shifted, jacobian))
             continue;
-        float target = luminance(shifted.f);
-        float weight = part * pairwise_share(n.confidence, luminance(r.f) / jacobian, own.confidence, target) * target * jacobian * r.ucw;
+        float share = neighbour_share(r, shifted, jacobian, own.confidence, n.confidence);
+        float weight = part * share * luminance(shifted.f) * jacobian * r.ucw;
         choose(kept, shifted, n.pixel[i], weight, random1(reuse_key(at), params.round, 2u * i + 1u));
     }
     // The centre comes last: its weight is known only now.
-    choose(kept, own, centre, own_weight * own_target * own.ucw, random1(reuse_key(at), params.round, 2u * MAX_REUSE_NEIGHBOURS));
+    choose(kept, own, centre, own_weight * luminance(own.f) * own.ucw,
+           random1(reuse_key(at), params.round, 2u * MAX_REUSE_NEIGHBOURS));
     finish_merge(kept, total);
     return kept;
 }

@@ -29,23 +29,19 @@ Choice merge_history(uvec2 at, Hit hit, PathReservoir own, uint before)
     PathReservoir history = PathReservoirArray(params.history).at[before];
     float uncapped = history.confidence;
     history.confidence = min(history.confidence, params.cap * own.confidence);
-    float mis_confidence = RESTIRPG_FAULT == REUSE_FAULT_CAP ? uncapped : history.confidence;
     if (RESTIRPG_FAULT == REUSE_FAULT_CONFIDENCE && history.ucw <= 0.0)
         return kept;
     ShadingPoint here = load_domain(hit, false);
     ShadingPoint there = load_domain(HitArray(params.previousSurface).at[before], true);
 
-    if (own.ucw > 0.0) {
-        float target = luminance(own.f);
-        float own_share = own.confidence * target;
-        kept.sum = own_share / (own_share + mis_confidence * target_in(own, there)) * target * own.ucw;
-    }
+    if (own.ucw > 0.0)
+        kept.sum = present_share(own, there, own.confidence, history.confidence) * luminance(own.f) * own.ucw;
     PathReservoir shifted;
     float jacobian;
     if (shift_to(history, here, shifted, jacobian)) {
-        float target = luminance(shifted.f);
-        float there_share = mis_confidence * luminance(history.f) / (RESTIRPG_FAULT == REUSE_FAULT_MIS ? 1.0 : jacobian);
-        float weight = there_share / (there_share + own.confidence * target) * target * jacobian * history.ucw;
+        float confidence = RESTIRPG_FAULT == REUSE_FAULT_CAP ? uncapped : history.confidence;
+        float share = history_share(history, shifted, jacobian, own.confidence, confidence);
+        float weight = share * luminance(shifted.f) * jacobian * history.ucw;
         choose(kept, shifted, HISTORY, weight, random1(reuse_key(at), TEMPORAL_ROUND, 1u));
     }
     finish_merge(kept, own.confidence + history.confidence);

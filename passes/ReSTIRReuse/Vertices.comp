@@ -30,22 +30,19 @@ void write_bounce(uint slot, uint label, uint material, ShadingPoint p, vec3 wi,
 
 void write_prefix(PathReservoir r, Hit hit, uint first)
 {
-    uint edges = path_edges(r);
     uint k = reconnection_index(r);
-    uint replayed = k > 0u ? k - 2u : edges - 1u;
-    PartialPath path = PartialPath(load_domain(hit, false), vec3(1.0), 1.0);
+    PartialPath path = begin_path(load_domain(hit, false));
     uint material = load_surface(hit, false).material;
-    for (uint u = 1u; u <= replayed; ++u) {
-        vec3 wi;
+    for (uint u = 1u; u <= replayed_bounces(r); ++u) {
         path.f = vec3(1.0);
-        if (!replay_bounce(r, u, path, wi))
+        if (!replay_bounce(r, u, path))
             return;
-        write_bounce(first + u - 1u, path_label(r.labels, u), material, path.point, wi, path.f);
+        write_bounce(first + u - 1u, path_label(r.labels, u), material, path.point, path.wi, path.f);
         float t;
-        if (u == edges - 1u || !trace_closest(offset_origin(path.point.position, side_towards(path.point, wi)), wi, RAY_INFINITY, hit, t))
+        if (u + 1u == path_edges(r) || !trace_bounce(path, t))
             return;
-        Surface surface = load_surface(hit, false);
-        path.point = shade_surface(surface, -wi);
+        Surface surface = load_surface(path.hit, false);
+        path.point = shade_surface(surface, -path.wi);
         material = surface.material;
     }
     ShadingPoint p = path.point;

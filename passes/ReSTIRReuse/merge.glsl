@@ -3,12 +3,14 @@
 #define RESTIRPG_RESTIR_REUSE_MERGE_GLSL
 
 #include "Shared.h"
-#include "neighbours.glsl"
-#include "path_shift.glsl"
 
 #ifndef RESTIRPG_FAULT
 #define RESTIRPG_FAULT REUSE_FAULT_NONE
 #endif
+#define RESTIRPG_SHIFT_VISIBILITY (RESTIRPG_FAULT != REUSE_FAULT_VISIBILITY)
+
+#include "neighbours.glsl"
+#include "path_shift.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vec2Array { vec2 at[]; };
 
@@ -31,13 +33,18 @@ ShadingPoint load_domain(Hit hit, bool previous)
     return shade_surface(s, normalize(camera - s.position));
 }
 
-/// Shift for reuse; with the fault, without its Jacobian.
+/// Shift for reuse; with a fault, without its Jacobian or a factor of that.
 bool shift_to(PathReservoir source, ShadingPoint x1, out PathReservoir shifted, out float jacobian)
 {
-    bool shiftable = source.ucw > 0.0 && shift_path(source, x1, shifted, jacobian);
+    if (source.ucw <= 0.0 || !shift_path(source, x1, shifted, jacobian))
+        return false;
     if (RESTIRPG_FAULT == REUSE_FAULT_JACOBIAN)
         jacobian = 1.0;
-    return shiftable;
+    if (RESTIRPG_FAULT == REUSE_FAULT_LIGHT_MEASURE && reconnection_index(source) == path_edges(source))
+        jacobian *= source.geometry / shifted.geometry;
+    if (RESTIRPG_FAULT == REUSE_FAULT_SHARP_DENSITY)
+        jacobian *= shifted.sharpPdf / source.sharpPdf;
+    return true;
 }
 
 /// p^_{<-j}(y) |dT/dy|: the target of y's image in another domain, in y's own measure; 0 where it has none.
@@ -46,6 +53,41 @@ float target_in(PathReservoir y, ShadingPoint x1)
     PathReservoir shifted;
     float jacobian;
     return shift_to(y, x1, shifted, jacobian) ? luminance(shifted.f) * jacobian : 0.0;
+}
+
+// The MIS weights, of paths that a pixel holds: their target is that of the path's own f.
+
+/// Temporal reuse, balance heuristic: the share of this frame's path y against the history's domain `there`.
+float present_share(PathReservoir y, ShadingPoint there, float confidence, float history_confidence)
+{
+    float share = confidence * luminance(y.f);
+    return share / (share + history_confidence * target_in(y, there));
+}
+
+/// The share of the history's path y against this pixel, which sees it as `image`.
+float history_share(PathReservoir y, PathReservoir image, float jacobian, float confidence, float history_confidence)
+{
+    float share = history_confidence * luminance(y.f) / (RESTIRPG_FAULT == REUSE_FAULT_MIS ? 1.0 : jacobian);
+    return share / (share + confidence * luminance(image.f));
+}
+
+/// Spatial reuse, pairwise: a neighbour's share against the centre, with all neighbours' confidence on its side. Targets in one measure.
+float pairwise_share(float neighbours_confidence, float there, float centre_confidence, float here)
+{
+    float share = neighbours_confidence * there;
+    return share > 0.0 ? share / (share + centre_confidence * here) : 0.0;
+}
+
+/// The share of a neighbour's path y against the centre, which sees it as `image`.
+float neighbour_share(PathReservoir y, PathReservoir image, float jacobian, float centre_confidence, float neighbours_confidence)
+{
+    return pairwise_share(neighbours_confidence, luminance(y.f) / jacobian, centre_confidence, luminance(image.f));
+}
+
+/// What the neighbour with the domain `there` leaves to the centre of the centre's path y.
+float share_left(PathReservoir y, ShadingPoint there, float centre_confidence, float neighbours_confidence)
+{
+    return 1.0 - pairwise_share(neighbours_confidence, target_in(y, there), centre_confidence, luminance(y.f));
 }
 
 /// The path that a merge has kept so far, and whose it was.

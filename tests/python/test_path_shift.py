@@ -1,0 +1,163 @@
+"""The hybrid shift and the MIS weights of ReSTIR PT, path by path through the pass's own GLSL (restir/ShiftProbe).
+
+No statistics: every path has to pass. Each of the classes below must have occurred, with endings by light
+samples and by scattering. Tolerances are those of float32, several times the worst of 50,000 paths (in brackets):
+
+  T3 weights of a path over all who could hold it add up to 1 within 2e-3 (3e-4), 99.9% within 1e-5 (1e-6)
+  T4 there and back: f within 1e-2 (4e-3, a glossy lobe seen at grazing), 99% within 1e-4 (2e-5); J J' = 1
+     within 1e-4 (2e-5); nothing is lost on the way back, and each domain classifies the path as it would its own
+  T5 J against finite differences: 98% within 1% (99% are within 0.5%; the rest are third derivatives of narrow lobes)
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from path_scenes import OUTPUTS, probe_graph, write_every_bounce
+from renderer_scenes import SIZE, restirpg
+
+FRAMES = 96
+FEWER_FRAMES = 24
+LEAST_PATHS, LEAST_TRIPS = 60, 5  # of a class
+TRIP_NO_PATH, TRIP_NO_IMAGE, TRIP_RETURNED = range(3)  # then failures, see ShiftProbe/Shared.h
+WAYS = ("stay", "neighbour", "previous")
+FAULTS = ["none", "jacobian", "mis", "cap", "previous_camera", "confidence", "visibility", "light_measure",
+          "sharp_density"]
+
+END = 7  # bits of a kind that say how the path ends
+ENDS = {"surface": 0, "emitter": 1, "environment": 2, "punctual": 3, "delta": 4}
+CONNECTIONS = {"connected by a sharp lobe": 256, "connected through the surface": 512}
+BOUNCES = {"copied": 8, "delta reflection": 16, "delta transmission": 32, "sharp reflection": 64,
+           "sharp transmission": 128, **CONNECTIONS}
+# By which technique a path ends; "reused" are those that temporal and spatial reuse leave.
+SOURCES = {"light samples": {"paths.fault": "found_lights"}, "scattering": {"paths.nee": False},
+           "reused": {"reuse.temporal": True, "reuse.rounds": 1}}
+# Surfaces reconnect by smooth lobes only, and what ends on a delta does not reconnect.
+ABSENT = {("surface", "connected by a sharp lobe"), *(("delta", connection) for connection in CONNECTIONS)}
+
+
+def is_of(kinds, end, bounce=None):
+    """Which kinds are of a class."""
+    return ((kinds & END) == ENDS[end]) & ((kinds & BOUNCES[bounce] != 0) if bounce else True)
+
+
+@pytest.fixture(scope="module")
+def renderer(tmp_path_factory):
+    """One for all: the probe's kernels take seconds to compile."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RESTIRPG_PLUGIN_PATH", str(Path(restirpg.__file__).parents[2] / "tests" / "passes"))
+        scene = restirpg.load_scene(write_every_bounce(tmp_path_factory.mktemp("every_bounce")))
+        return restirpg.Renderer(scene, probe_graph(), size=SIZE, seed=5, validation=True)
+
+
+def measure(renderer, source, frames, fault="none"):
+    """Outputs of the probe over so many frames of a moving camera: {name: float (paths, 4)}."""
+    plain = {"paths.fault": "none", "paths.nee": True, "reuse.temporal": False, "reuse.rounds": 0}
+    for name, value in {**plain, **SOURCES[source], "probe.fault": FAULTS.index(fault)}.items():
+        renderer.set(name, value)
+    renderer.cut()
+    results = {name: [] for name in OUTPUTS}
+    for k in range(frames):
+        renderer.move_camera(position=(0.1 - 0.05 * np.sin(k), 1.0, 3.3 - 0.04 * np.cos(2 * k)))
+        renderer.render(1)
+        for name, values in results.items():
+            values.append(renderer.output(name).reshape(-1, 4).astype(float))
+    return {name: np.concatenate(values) for name, values in results.items()}
+
+
+@pytest.fixture(scope="module", params=SOURCES)
+def measured(request, renderer):
+    return request.param, measure(renderer, request.param, FEWER_FRAMES if request.param == "reused" else FRAMES)
+
+
+def trips(results, way):
+    """Kinds and results of the round trips of paths that have an image."""
+    r = results[way][results[way][:, 3] > TRIP_NO_IMAGE]
+    return r[:, 0].astype(int), r
+
+
+def jacobians(results):
+    """Kinds of paths, and their measured over their claimed Jacobian."""
+    r = np.concatenate([results["neighbour_jacobian"], results["previous_jacobian"]])
+    r = r[r[:, 3] > 0]
+    return r[:, 0].astype(int), r[:, 1]
+
+
+def off(ratios):
+    """The part of measured Jacobians that are not the claimed ones."""
+    return np.mean(np.abs(ratios - 1) > 0.01)
+
+
+def test_every_class_of_paths_occurs(measured):
+    source, results = measured
+    if source == "reused":
+        pytest.skip("reuse keeps what it likes: the classes are those of candidates")
+    kinds = results["stay"][results["stay"][:, 3] > TRIP_NO_PATH][:, 0].astype(int)
+    returned = np.concatenate([trips(results, way)[0] for way in WAYS[1:]])
+    absent = {"light samples": "delta", "scattering": "punctual"}[source]
+    for end in ENDS.keys() - {absent}:
+        for bounce in [None, *BOUNCES]:
+            if (end, bounce) in ABSENT:
+                continue
+            counts = is_of(kinds, end, bounce).sum(), is_of(returned, end, bounce).sum()
+            print(f"{source}: {end}, {bounce or 'all'}: {counts[0]} paths, {counts[1]} shifted")
+            assert counts[0] >= LEAST_PATHS and counts[1] >= LEAST_TRIPS, (end, bounce, counts)
+    assert not is_of(kinds, absent).any()
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_path_shifted_there_and_back_is_the_path_it_was(measured, way):
+    source, results = measured
+    kinds, r = trips(results, way)
+    if way == "stay":
+        assert not (results[way][:, 3] == TRIP_NO_IMAGE).any()
+    assert np.all(r[:, 3] == TRIP_RETURNED), np.bincount(r[:, 3].astype(int))
+    print(f"{source}, {way}: {len(r)} trips, f {r[:, 1].max():.1e}, 99% {np.quantile(r[:, 1], 0.99):.1e}, "
+          f"J {r[:, 2].max():.1e}")
+    assert r[:, 1].max() < 1e-2 and r[:, 2].max() < 1e-4
+    for end in set(kinds & END):
+        assert np.quantile(r[kinds & END == end, 1], 0.99) < 1e-4
+
+
+def test_jacobians_are_those_of_finite_differences(measured):
+    source, results = measured
+    kinds, ratios = jacobians(results)
+    for end in ENDS:
+        for bounce in [None, *BOUNCES]:
+            of_class = ratios[is_of(kinds, end, bounce)]
+            if len(of_class) >= 10:
+                print(f"{source}: {end}, {bounce or 'all'}: {len(of_class)}, {off(of_class):.1%} off")
+                assert off(of_class) < 0.02 + 1 / len(of_class)
+                assert np.median(np.abs(of_class - 1)) < 1e-3
+
+
+def weight_sums(results, quantile=1.0):
+    """How far from 1 the weights of paths add up to, in spatial and in temporal reuse."""
+    sums = [results[name] for name in ("spatial_sums", "temporal_sums")]
+    assert all(np.all(s[:, 2:].sum(0) > 500) for s in sums)  # of own paths and of others'
+    return np.array([np.quantile(np.abs(s[:, :2]).max(1), quantile) for s in sums])
+
+
+def test_the_weights_of_every_path_add_up_to_one(measured):
+    source, results = measured
+    worst = weight_sums(results)
+    print(f"{source}: weights add up to 1 within {worst}")
+    assert worst.max() < 2e-3 and weight_sums(results, 0.999).max() < 1e-5
+
+
+@pytest.mark.parametrize("fault", ["mis", "cap", "previous_camera"])
+def test_a_mistake_breaks_the_weights_sum(renderer, fault):
+    assert weight_sums(measure(renderer, "reused", FEWER_FRAMES, fault)).max() > 0.1
+
+
+# The mistake, and the class of paths that it concerns.
+@pytest.mark.parametrize(("fault", "end", "bounce"), [
+    ("jacobian", "surface", None), ("light_measure", "emitter", None),
+    ("sharp_density", "surface", "sharp transmission"), ("sharp_density", "environment", "sharp reflection"),
+    ("sharp_density", "delta", "sharp transmission")])
+def test_a_factor_left_out_of_the_jacobian_shows_in_its_class(renderer, fault, end, bounce):
+    """Round trips cannot see it: it is left out both ways (ALGORITHMS O22)."""
+    results = measure(renderer, "scattering", FEWER_FRAMES, fault)
+    kinds, ratios = jacobians(results)
+    assert off(ratios[is_of(kinds, end, bounce)]) > 0.2  # ten times what is allowed
+    assert np.all(trips(results, "neighbour")[1][:, 3] == TRIP_RETURNED)
