@@ -34,7 +34,7 @@ float label_density(Vertex v, uint label, vec3 local, vec3 wi)
 {
     float density = bsdf_pdf(v.point.bsdf, v.point.wo, local, label_lobes(v.point.bsdf, label));
     if (label == LABEL_SMOOTH && v.guided) {
-        float guided = label_probability(v.point.bsdf, v.point.wo, LABEL_SMOOTH) * guide_pdf(v.guide, wi);
+        float guided = label_probability(v.point.bsdf, v.point.wo, LABEL_SMOOTH) * guided_pdf(v, wi);
         density += (1.0 - params.alpha) * (guided - density);
     }
     return density;
@@ -176,7 +176,7 @@ Bounce scatter_labelled(Vertex v, RandomKey key, uint u)
         return s;
     bool guided = s.label == LABEL_SMOOTH && v.guided && random1(key, u, RANDOM_TECHNIQUE) >= params.alpha;
     if (guided) {
-        s.wi = guide_sample(v.guide, vec3(numbers.xy, random1(key, u, RANDOM_GUIDE_LOBE)));
+        s.wi = sample_guided(v, vec3(numbers.xy, random1(key, u, RANDOM_GUIDE_LOBE)));
         if (s.wi == vec3(0.0))
             return s;
     } else {

@@ -10,6 +10,7 @@ struct Vertex {
     ShadingPoint point;
     uint material;
     bool guided;
+    bool opaque;  ///< no smooth lobe leaves on the other side
     Guide guide;
 };
 
@@ -20,11 +21,30 @@ Vertex make_vertex(Surface surface, vec3 wo, uvec2 pixel, uint bounce)
     v.material = surface.material;
     v.guided = false;
 #if GUIDED
-    bool guidable = params.guide != 0ul && label_lobes(v.point.bsdf, LABEL_SMOOTH) != 0u;
-    v.guided = guidable &&
+    uint lobes = label_lobes(v.point.bsdf, LABEL_SMOOTH);
+    v.opaque = (lobes & LOBE_TRANSMIT) == 0u;
+    v.guided = params.guide != 0ul && lobes != 0u &&
                guide_lookup(params.guide, GuideQuery(surface.position, v.point.normal, wo, surface.material, pixel, bounce), v.guide);
 #endif
     return v;
+}
+
+/// A direction of the guide. Over an opaque surface what points below it is reflected, so that no sample is lost (ALGORITHMS 5.2).
+vec3 sample_guided(Vertex v, vec3 u)
+{
+    vec3 w = guide_sample(v.guide, u);
+    float cosine = dot(v.point.normal, w);
+    return v.opaque && cosine < 0.0 ? w - 2.0 * cosine * v.point.normal : w;
+}
+
+/// Density of sample_guided, 1/sr.
+float guided_pdf(Vertex v, vec3 w)
+{
+    float pdf = guide_pdf(v.guide, w);
+    if (!v.opaque)
+        return pdf;
+    float cosine = dot(v.point.normal, w);
+    return cosine > 0.0 ? pdf + guide_pdf(v.guide, w - 2.0 * cosine * v.point.normal) : 0.0;
 }
 
 /// Density of scatter over all rough lobes, 1/sr: within the smooth label one-sample MIS of BSDF and guide, sharp lobes never guided.
@@ -34,8 +54,8 @@ float scatter_pdf(Vertex v, vec3 wi_local, vec3 wi)
     if (!v.guided)
         return unguided;
     float smooth_pdf = bsdf_pdf(v.point.bsdf, v.point.wo, wi_local, label_lobes(v.point.bsdf, LABEL_SMOOTH));
-    float guided_pdf = label_probability(v.point.bsdf, v.point.wo, LABEL_SMOOTH) * guide_pdf(v.guide, wi);
-    return unguided + (1.0 - params.alpha) * (guided_pdf - smooth_pdf);
+    float guided = label_probability(v.point.bsdf, v.point.wo, LABEL_SMOOTH) * guided_pdf(v, wi);
+    return unguided + (1.0 - params.alpha) * (guided - smooth_pdf);
 }
 
 /// A scattered direction (BsdfSample::wi in the local frame) by the BSDF or, in the smooth label, by the guide.
@@ -49,7 +69,7 @@ BsdfSample scatter(Vertex v, RandomKey key, uint bounce)
     BsdfSample s;
     if (label_of_lobe(bsdf, lobe) == LABEL_SMOOTH && random1(key, bounce, RANDOM_TECHNIQUE) >= params.alpha) {
         s = no_bsdf_sample(lobe);
-        s.wi = to_local(v.point.local_frame, guide_sample(v.guide, vec3(numbers.xy, random1(key, bounce, RANDOM_GUIDE_LOBE))));
+        s.wi = to_local(v.point.local_frame, sample_guided(v, vec3(numbers.xy, random1(key, bounce, RANDOM_GUIDE_LOBE))));
         if (s.wi == vec3(0.0))
             return s;
     } else {
