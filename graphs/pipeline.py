@@ -6,7 +6,8 @@ The tracing pass is always called `paths`.
 from restirpg import Graph, prev
 
 
-def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, cells="world", splat={}, fit={}):
+def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, cells="world", splat={},
+             fit={}, show="resampled"):
     """The graph.
 
     temporal, rounds: reuse over frames, and rounds of reuse over pixels, for direct and indirect light alike.
@@ -15,6 +16,7 @@ def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, c
     that came back.
     cells: where the guide is kept: "world", in the hash grid; "screen", a lobe a pixel, which learns from "raw" alone.
     splat, fit: knobs of the guide's passes; in screen space there is only a fit.
+    show: "resampled", or "candidates": the indirect light of the initial paths alone, guided if there is a guide.
     """
     if cells == "screen" and train != "raw":
         raise ValueError(f'a guide in screen space learns from train="raw" alone, not from {train!r}')
@@ -37,7 +39,7 @@ def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, c
                    "raw": {"samples": paths.samples}}[train]
         statistics = g.add("splat", "GuidingSplat", guide=prev("fit.guide"), **lessons, **splat)
         g.add("fit", "GuidingFit", statistics=statistics.statistics, history=prev("fit.guide"), **fit)
-    image = g.add("accumulate", "Accumulate", direct=direct.radiance, indirect=reuse.radiance,
+    image = g.add("accumulate", "Accumulate", direct=direct.radiance, indirect=reuse.radiance if show == "resampled" else paths.radiance,
                   emission=gbuffer.emission, history=prev("accumulate.sums"))
     g.output("image", image.mean)
     g.output("variance", image.variance)
