@@ -19,10 +19,10 @@ void Frame::copy(const Buffer& from, const Buffer& to)
     vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
 }
 
-void Frame::fill(const Buffer& buffer, uint32_t word)
+void Frame::fill(const Buffer& buffer, uint32_t word, uint64_t bytes)
 {
     barrier();
-    vkCmdFillBuffer(commands_, buffer.handle(), 0, VK_WHOLE_SIZE, word);
+    vkCmdFillBuffer(commands_, buffer.handle(), 0, bytes, word);
 }
 
 }  // namespace restirpg

@@ -43,8 +43,8 @@ public:
     /// Copy all of a buffer into another of its size.
     void copy(const Buffer& from, const Buffer& to);
 
-    /// Fill a buffer with a 32-bit word.
-    void fill(const Buffer& buffer, uint32_t word = 0);
+    /// Fill a buffer, or its first `bytes` (a multiple of 4), with a 32-bit word.
+    void fill(const Buffer& buffer, uint32_t word = 0, uint64_t bytes = VK_WHOLE_SIZE);
 
 private:
     void barrier();

@@ -56,7 +56,7 @@ public:
                                               weightPrior_,
                                               concentrationPrior_,
                                               largestKappa_};
-        frame.fill(*guide_.resource);
+        frame.fill(*guide_.resource, 0, GUIDING_HEADER_BYTES + uint64_t(GUIDING_KEY_BYTES) * capacity());
         frame.dispatch(fitKernel_, parameters, capacity());
         if (parameters.history != 0)
             frame.dispatch(carryKernel_, parameters, capacity());
