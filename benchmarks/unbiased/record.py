@@ -5,12 +5,12 @@
         [--frames 1,2,8,32] [--runs 400] [--circle 0.02] [--markdown FILE] [--json FILE]
 
 Frame k of each run is one sample of every pixel; the reference is the path tracer with the same bounce cap
-and pixel-centre jitter off, seen from where the camera stands at frame k. Null hypothesis: every block of 4 x
-4 pixels has the reference's mean. Largest |z| against Student's t at 1%, Bonferroni over blocks and k;
-printed with the ratio of the image means, the smallest biases that would have been found with a probability
-of 80%, and Kolmogorov and Smirnov's p of the scores. Finished runs are kept in --out: the same command goes
-on where it was interrupted, and --seconds spreads it. Exit code: 0; 1 when a bias was found; 2 for a mistake
-in what was asked; 130 after Ctrl-C.
+and pixel-centre jitter off, seen from where the camera stands at frame k. Null hypothesis: every block of
+pixels has the reference's mean. Largest |z| against Student's t at 1%, Bonferroni over blocks and k; printed
+with the ratio of the image means, the smallest biases that would have been found with a probability of 80%,
+and Kolmogorov and Smirnov's p of the scores. Finished runs are kept in --out: the same command goes on where
+it was interrupted, and --seconds spreads it (0: test what there is). Exit code: 0; 1 when a bias was found; 2
+for a mistake in what was asked; 130 after Ctrl-C.
 """
 
 import argparse
@@ -62,10 +62,12 @@ def parse(arguments):
     add = parser.add_argument
     add("method", metavar="GRAPH[@SETTING=VALUE,...]", help="as scripts/compare.py takes it")
     add("--scene", required=True, metavar="NAME|FILE", help="an embedded scene, or a .glb or .gltf file")
-    add("--size", type=size, default=(48, 48), metavar="WxH", help="pixels, multiples of 4 (48x48)")
+    add("--size", type=size, default=(48, 48), metavar="WxH", help="pixels, multiples of a block (48x48)")
     add("--frames", type=frame_numbers, default=(1, 2, 8, 32), metavar="K,K,...",
         help="samples of a run (1,2,8,32)")
     add("--runs", type=several, default=400, help="independent runs (%(default)s)")
+    add("--block", type=int, choices=(4, 8, 16), default=4,
+        help="edge of a block, pixels: larger ones for scenes of rare bright samples (%(default)s)")
     add("--bounces", type=int, help="bounce cap of method and reference (the scene's, or the graph's own)")
     add("--circle", type=float, default=0.0, metavar="M",
         help="move the camera in a circle of this radius, 6 frames a turn")
@@ -94,9 +96,10 @@ def scene_file(name, folder):
 
 def grow(what, source, count, deadline):
     """Render until there are `count` samples, or until the time is up, but never fewer than two."""
-    if len(source.samples) < count:
-        source.samples.note_session()
+    at_first = len(source.samples)
     while len(source.samples) < count and (len(source.samples) < 2 or time.monotonic() < deadline):
+        if len(source.samples) == at_first:
+            source.samples.note_session()
         source.add()
         print(f"\r{what}: {len(source.samples)} of {count}", end="", file=sys.stderr, flush=True)
     print(f"\r{what}: {len(source.samples)} of {count}", file=sys.stderr)
@@ -119,8 +122,9 @@ def record(options):
             samples.append(min(len(batches.samples), options.reference_batches) * options.batch_frames)
     grow(case.method.label, method, options.runs, deadline)
     images, invalid = method.load(options.runs)
-    verdicts = {k: compare(images[k], references[case.motion.pose(k)], len(case.frames)) for k in case.frames}
-    findings = findings_of(method, bounces, invalid, verdicts, min(samples))
+    verdicts = {k: compare(images[k], references[case.motion.pose(k)], len(case.frames), options.block)
+                for k in case.frames}
+    findings = findings_of(method, bounces, invalid, verdicts, min(samples), options.block)
     print(as_markdown(findings))
     if options.markdown:
         with open(options.markdown, "a") as file:

@@ -5,7 +5,7 @@ import json
 import numpy as np
 
 
-def findings_of(method, bounces, invalid, verdicts, reference_samples):
+def findings_of(method, bounces, invalid, verdicts, reference_samples, block):
     """The numbers of one recording. Biases and errors are relative to the reference's mean."""
     case = method.case
     device = method.renderer.device_info
@@ -33,6 +33,7 @@ def findings_of(method, bounces, invalid, verdicts, reference_samples):
         "circle": case.motion.circle,
         "fps": case.motion.fps,
         "reference_samples": reference_samples,
+        "block": block,
         "invalid": invalid,
         "device": f"{device['name']}, {device['driver']}, {device['backend']}",
         "sessions": method.samples.sessions(),
@@ -60,8 +61,8 @@ def as_markdown(findings):
         f"{width}x{height}, bounce cap {findings['bounces']}, R = {findings['runs']} runs, reference of "
         f"{findings['reference_samples']} samples a pixel, {findings['invalid']} NaN or infinite; "
         f"{findings['device']}; commit {commits}.\n",
-        "| k | ratio of image means | z | smallest bias found | largest abs z of blocks | limit "
-        "| smallest bias found, median block | KS p | verdict |",
+        f"| k | ratio of image means | z | smallest bias found | largest abs z of {findings['block']}x"
+        f"{findings['block']} blocks | limit | smallest bias found, median block | KS p | verdict |",
         "| --- " * 9 + "|",
     ]
     for k, row in findings["frames"].items():
