@@ -14,6 +14,7 @@
 #include "../../passes/PathTracerGuided/Shared.h"
 #include "../../passes/ReSTIRDI/Shared.h"
 #include "../../passes/ReSTIRReuse/Shared.h"
+#include "../../passes/ToneMap/Shared.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -114,6 +115,7 @@ const std::vector<Layout> LAYOUTS = {
            parallax, cellSize, smallestCell),
     LAYOUT(GuidingFitParameters, frame, statistics, history, guide, capacity, options, remembers, pools, reseeds,
            oldest, decay, minimum, weightPrior, concentrationPrior, largestKappa),
+    LAYOUT(ToneMapParameters, frame, image, display, gain, white, curve),
     LAYOUT(LightPoint, instance, index, place),
     LAYOUT(LightReservoir, point, ucw, confidence, target),
     LAYOUT(ReSTIRDIParameters, frame, surface, previousSurface, motion, history, source, reservoirs, radiance,
@@ -132,7 +134,7 @@ std::string kernelText()
     }
     std::string includes = "#include \"prelude.glsl\"\n#include \"double_single_types.h\"\n#include \"path_vertex_types.h\"\n";
     for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "GuidingFit", "GuidingScreen", "GuidingSplat",
-                             "PathTracerGuided", "ReSTIRDI", "ReSTIRReuse"})
+                             "PathTracerGuided", "ReSTIRDI", "ReSTIRReuse", "ToneMap"})
         includes += fmt::format("#include \"{}/passes/{}/Shared.h\"\n", RESTIRPG_SOURCE, pass);
     return "#version 460\n" + includes +
            "layout(local_size_x = 1) in;\nlayout(push_constant) uniform Push { Address address; };\n" + declarations +

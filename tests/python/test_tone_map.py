@@ -1,0 +1,32 @@
+"""ToneMap: the display values of a rendered picture are those of the formulas in double precision."""
+
+import numpy as np
+import pytest
+from renderer_scenes import make_renderer, restirpg, scene, scene_file  # noqa: F401
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+
+def encode_srgb(x):
+    """IEC 61966-2-1."""
+    return np.where(x > 0.0031308, 1.055 * x ** (1 / 2.4) - 0.055, 12.92 * x)
+
+
+@pytest.mark.parametrize("curve", ["linear", "reinhard"])
+@pytest.mark.parametrize("exposure", [-2.0, 3.0])
+def test_display_values_follow_the_formulas(scene, curve, exposure):  # noqa: F811
+    g = restirpg.Graph("Tone mapped")
+    gbuffer = g.add("gbuffer", "GBuffer")
+    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, direct=True)
+    display = g.add("display", "ToneMap", image=paths.radiance, curve=curve, exposure=exposure, white=2.0)
+    g.output("linear", paths.radiance)
+    g.output("display", display.display)
+    renderer = make_renderer(scene, g)
+    renderer.render(1)
+    x = renderer.output("linear").astype(float) * 2.0**exposure
+    if curve == "reinhard":
+        luminance = (x @ LUMINANCE)[..., None]
+        x = x * (1 + luminance / 4) / (1 + luminance)
+    expected = encode_srgb(np.minimum(x, 1))
+    assert expected.std() > 0.05
+    assert np.abs(renderer.output("display") - expected).max() < 1e-5
