@@ -1,5 +1,10 @@
-"""Path guiding in screen space after Derevyannykh 2022, inside ReSTIR PT: one lobe a pixel, fitted to the paths of the frames before."""
+"""ReSTIR PT guided in screen space by raw path-traced samples, after Derevyannykh 2022.
+
+"Real-Time Path-Guiding Based on Parametric Mixture Models": one lobe a pixel, for the bounce at the primary
+hit. The settings are the best of benchmarks/results/derevyannykh2022_sweep.md.
+"""
 
 from pipeline import pipeline
 
-graph = pipeline("Raw PT guiding, Derevyannykh 2022", train="raw", cells="screen")
+graph = pipeline("Derevyannykh 2022 on raw samples", train="raw", cells="screen",
+                 fit={"product": True, "neighbours": 24})

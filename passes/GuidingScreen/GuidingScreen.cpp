@@ -29,13 +29,16 @@ public:
         io.input("samples", samples_, fixedSize("GuidingSamples", {}),
                  "directions that paths took, weighted by the light they found, one frame ago: prev(\"paths.samples\")");
         io.input("history", history_, statistics, "the output statistics, one frame ago: prev(\"guide.statistics\")");
-        io.output("guide", guide_, guide(perPixel<ScreenLobe>(""), passFile("guide.glsl")), "one lobe a pixel, for the bounce at the primary hit");
+        io.output("guide", guide_, guide(perPixel<ScreenLobe>(""), passFile("guide.glsl")),
+                  "one lobe a pixel, for the bounce at the primary hit");
         io.output("statistics", statistics_, statistics, "weighted moments of the directions that each pixel has seen");
         io.output("direction", direction_, image(3), "the lobe's mean direction as a colour, (1 + xyz) / 2; black where there is no lobe");
         io.output("peak", peak_, image(1), "the lobe's density at its mean direction, 1/sr");
-        io.choice("lobe", lobe_, LOBES, "a Gaussian in the equal-area square of the hemisphere about the normal, or a von Mises-Fisher lobe");
+        io.choice("lobe", lobe_, LOBES,
+                  "a Gaussian in the equal-area square of the hemisphere about the normal, or a von Mises-Fisher lobe");
         io.knob("product", product_, "fit the incident radiance times BSDF and cosine; off: the radiance alone");
-        io.knob("smoothing_floor", smoothingFloor_, 0.001f, 1, "least share of a new sample in the moments; until then they are plain means");
+        io.knob("smoothing_floor", smoothingFloor_, 0.001f, 1,
+                "least share of a new sample in the moments; until then they are plain means");
         io.knob("neighbours", neighbours_, 0, MAX_NEIGHBOURS, "pixels of the 5x5 window around that lend their last sample");
         io.knob("prior", prior_, 0, 1000, "how many samples, spread evenly over the hemisphere, each fit is mixed with");
         io.knob("regularisation", regularisation_, 0, 0.1f, "variance added to the lobe on each axis of the unit square");

@@ -1,7 +1,9 @@
-"""GuidingScreen: paths guided live by one lobe a pixel have the path tracer's mean, and its lobes are where the light comes from.
+"""GuidingScreen: paths guided live by one lobe a pixel have the path tracer's mean; where there are lobes.
 
-Null hypothesis and false-alarm rate of the rendered tests: see scripts/harness/unbiased.py. Indirect light of the diffuse Cornell box,
-bounce cap 2. A live guide is fitted to the very paths that ReSTIR keeps: frame FRAME of each run is one sample.
+Null hypothesis and false-alarm rate of the rendered tests: see scripts/harness/unbiased.py. Indirect light of
+the diffuse Cornell box, bounce cap 2. A live guide is fitted to the very paths that ReSTIR keeps: frame FRAME
+of each run is one sample. A guide whose density is 10% too small was found in both tests of the mean: image z
+6.7 without ReSTIR, 5.4 with it.
 """
 
 import sys
@@ -19,22 +21,23 @@ BOUNCES = 2
 RUNS = 64
 FRAME = 8
 REFERENCE_FRAMES = 2048
-TESTS = 5  # that share the false-alarm rate
+TESTS = 3  # that share the false-alarm rate
 
 
-def graph(output, guided=True, alpha=0.5, **knobs):
+def graph(output, guided=True, **knobs):
     """ReSTIR PT over guided candidates. `output`: the port that is called radiance."""
     g = restirpg.Graph("Guided in screen space")
     gbuffer = g.add("gbuffer", "GBuffer", jitter=False)
     before = {"motion": gbuffer.motion, "previous_surface": restirpg.prev("gbuffer.surface")}
     guide = None
     if guided:
-        guide = g.add("guide", "GuidingScreen", surface=gbuffer.surface, samples=restirpg.prev("paths.samples"),
-                      history=restirpg.prev("guide.statistics"), **before, **knobs).guide
-    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=BOUNCES, guide=guide, alpha=alpha)
+        guide = g.add("guide", "GuidingScreen", surface=gbuffer.surface, **before, **knobs,
+                      samples=restirpg.prev("paths.samples"), history=restirpg.prev("guide.statistics")).guide
+    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=BOUNCES, guide=guide)
     g.add("reuse", "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates,
           history=restirpg.prev("reuse.reservoirs"), **before)
-    image = g.add("accumulate", "Accumulate", indirect=paths.radiance, history=restirpg.prev("accumulate.sums"))
+    image = g.add("accumulate", "Accumulate", indirect=paths.radiance,
+                  history=restirpg.prev("accumulate.sums"))
     name, port = output.split(".")
     g.output("radiance", getattr(g[name], port))
     if not guided:
@@ -60,15 +63,13 @@ def check(scene, output, reference, **knobs):  # noqa: F811
     assert verdict.worst < 1 and verdict.mean < 4, str(verdict)
 
 
-@pytest.mark.parametrize("knobs", [{}, {"lobe": "vmf"}, {"alpha": 0.1, "product": True, "neighbours": 0, "prior": 0.0}],
-                         ids=["gaussian", "vmf", "reckless"])
-def test_live_guiding_keeps_the_path_tracers_mean(scene, reference, knobs):  # noqa: F811
-    check(scene, "paths.radiance", reference, **knobs)
-
-
 @pytest.mark.parametrize("lobe", ["gaussian", "vmf"])
-def test_restir_over_live_guiding_keeps_the_path_tracers_mean(scene, reference, lobe):  # noqa: F811
-    check(scene, "reuse.radiance", reference, lobe=lobe)
+def test_live_guiding_keeps_the_path_tracers_mean(scene, reference, lobe):  # noqa: F811
+    check(scene, "paths.radiance", reference, lobe=lobe)
+
+
+def test_restir_over_live_guiding_keeps_the_path_tracers_mean(scene, reference):  # noqa: F811
+    check(scene, "reuse.radiance", reference, product=True, neighbours=24, prior=0.2)
 
 
 def test_the_same_seed_gives_the_same_bytes(scene):  # noqa: F811
@@ -104,5 +105,6 @@ def test_what_the_camera_did_not_see_before_has_no_lobe(scene):  # noqa: F811
     renderer.move_camera(position=tuple(target + 1.2 * (position - target)))
     renderer.render(1)
     guided = renderer.output("radiance")[..., 0] > 0
-    assert not np.concatenate([guided[0], guided[-1], guided[:, 0], guided[:, -1]]).any(), "a lobe at the border"
+    border = np.concatenate([guided[0], guided[-1], guided[:, 0], guided[:, -1]])
+    assert not border.any(), "a lobe at the border"
     assert guided[4:-4, 4:-4].mean() > 0.9, "moments are lost on the way"

@@ -1,0 +1,127 @@
+#!/usr/bin/python3
+"""Sweep a guide's knobs: errors of single frames with ReSTIR PT on, and of the candidates that it makes.
+
+    benchmarks/guide_sweep.py out/scenes/door_ajar.glb graphs/restir_pt.py \\
+        graphs/raw_pt_derevyannykh2022.py@guide.neighbours=4,guide.product=false
+
+Each further argument is a graph of graphs/pipeline.py with knobs. All are rendered with the same seeds and
+compared with the path tracer, the pixel filter off. Columns, each with its standard error over seeds, and its
+change against the first graph, paired by seed:
+    frame       mean MAPE of single frames, from frame --skip + 1 on
+    mean        MAPE of the mean of all frames
+    candidates  MAPE of the mean of the candidates without any reuse, from frame --skip + 1 on
+"""
+
+import argparse
+import json
+import runpy
+import sys
+from pathlib import Path
+
+import numpy as np
+import restirpg
+
+GRAPHS = Path(__file__).resolve().parents[1] / "graphs"
+COLUMNS = ("frame", "mean", "candidates")
+
+
+def parse():
+    """The command line."""
+    layout = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=layout)
+    parser.add_argument("scene")
+    parser.add_argument("graphs", nargs="+", metavar="GRAPH[@KNOB=VALUE,...]")
+    parser.add_argument("--size", default="96x54", help="pixels (%(default)s)")
+    parser.add_argument("--bounces", type=int, default=4, help="(%(default)s)")
+    for name, number in (("frames", 24), ("skip", 8), ("seeds", 4), ("reference-frames", 3000)):
+        parser.add_argument(f"--{name}", type=int, default=number, help="(%(default)s)")
+    arguments = parser.parse_args()
+    arguments.size = tuple(int(n) for n in arguments.size.split("x"))
+    return arguments
+
+
+def make_renderer(arguments, scene, graph):
+    """A renderer of one graph at the sweep's bounce cap."""
+    renderer = restirpg.Renderer(scene, graph, size=arguments.size)
+    renderer.set_everywhere("bounces", arguments.bounces)
+    return renderer
+
+
+def make_reference(arguments, scene):
+    """The path tracer's picture, float32 (H, W, 3), through pixel centres."""
+    renderer = make_renderer(arguments, scene, restirpg.load_graph(GRAPHS / "path_tracer.py"))
+    renderer.set("gbuffer.jitter", False)
+    renderer.seed = 987654
+    renderer.cut()
+    renderer.render(arguments.reference_frames)
+    image = renderer.output("image")
+    deviation = np.sqrt(renderer.output("variance") / arguments.reference_frames)
+    # The mean absolute value of a normal variable is 0.8 standard deviations.
+    noise = (0.8 * deviation / (image + 0.01 * image.mean())).mean()
+    print(f"reference: its own noise has a MAPE of about {noise:.3f}", flush=True)
+    return image
+
+
+def make_method(arguments, scene, text):
+    """A renderer of GRAPH@KNOB=VALUE,... that shows the parts of each frame."""
+    file, _, settings = text.partition("@")
+    graph = runpy.run_path(file)["graph"]
+    surface = graph["gbuffer"].surface
+    alone = graph.add("alone", "ReSTIRReuse", surface=surface, candidates=graph["paths"].candidates,
+                      temporal=False, rounds=0)
+    graph.output("direct", graph["direct"].radiance)
+    graph.output("emission", graph["gbuffer"].emission)
+    graph.output("resampled", graph["reuse"].radiance)
+    graph.output("candidates", alone.radiance)
+    renderer = make_renderer(arguments, scene, graph)
+    for setting in filter(None, settings.split(",")):
+        knob, _, value = setting.partition("=")
+        kind = type(renderer.get(knob))
+        renderer.set(knob, value if kind is str else kind(json.loads(value)))
+    return renderer
+
+
+def errors_of_run(arguments, renderer, seed, reference):
+    """The COLUMNS of one run."""
+    def mape(image):
+        return restirpg.measure_errors(np.asarray(image, np.float32), reference)["mape"]
+
+    renderer.seed = seed
+    renderer.cut()
+    frames, total, candidates = [], 0, 0
+    for k in range(arguments.frames):
+        renderer.render(1)
+        rest = renderer.output("direct") + renderer.output("emission")
+        image = rest + renderer.output("resampled")
+        total = total + image
+        if k >= arguments.skip:
+            frames.append(mape(image))
+            candidates = candidates + rest + renderer.output("candidates")
+    return np.mean(frames), mape(total / arguments.frames), mape(candidates / len(frames))
+
+
+def describe(errors, change):
+    """Mean and standard error of each of the COLUMNS of (seeds, COLUMNS), and of its change in percent."""
+    root = np.sqrt(len(errors))
+    for name, error, percent in zip(COLUMNS, errors.T, change.T):
+        yield (f"{name} {error.mean():.4f} +- {error.std(ddof=1) / root:.4f} "
+               f"({percent.mean():+.1f} +- {percent.std(ddof=1) / root:.1f}%)")
+
+
+def main():
+    """Print one line a graph."""
+    arguments = parse()
+    sys.path.insert(0, str(GRAPHS))
+    scene = restirpg.load_scene(arguments.scene)
+    reference = make_reference(arguments, scene)
+    first = None
+    for text in arguments.graphs:
+        renderer = make_method(arguments, scene, text)
+        errors = np.array([errors_of_run(arguments, renderer, 7919 * (i + 1), reference)
+                           for i in range(arguments.seeds)])
+        first = errors if first is None else first
+        print(f"{text}: {', '.join(describe(errors, 100 * (errors / first - 1)))}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
