@@ -5,7 +5,7 @@
 // GuidingMemory) that GuidingFit makes of them. Each frame has fresh ones: nothing is ever mutated in place (ALGORITHMS O8).
 #ifndef RESTIRPG_GUIDING_GRID_TYPES_H
 #define RESTIRPG_GUIDING_GRID_TYPES_H
-#include "types.h"
+#include "scene_types.h"
 RESTIRPG_SHARED
 
 /// Lobes of a cell's mixture (Zeng et al. 2025: 4).

@@ -9,3 +9,6 @@ endforeach()
 restirpg_test(screen_lobe_test
     SOURCES guide/screen_lobe_test.cpp
     LINKS restirpg_core restirpg_gpu)
+restirpg_test(grid_guide_test
+    SOURCES guide/grid_guide_test.cpp
+    LINKS restirpg_core restirpg_gpu)
