@@ -47,6 +47,16 @@ def test_a_method_without_bias_passes(out, scene_file, method):  # noqa: F811
     assert not any(row["biased"] for row in found["frames"].values())
 
 
+#: Cells so large that they hold samples enough to guide at 16 x 16.
+CELLS = "splat.cell_size=0.15"
+
+
+@pytest.mark.parametrize("method", ["restir_pg", "raw_pt_ruppert2020"])
+def test_a_guided_method_passes(out, scene_file, method):  # noqa: F811
+    code, found = record(out, scene_file, f"graphs/{method}.py@{CELLS}", "--frames", "8", "--runs", "64")
+    assert code == 0 and found["invalid"] == 0 and not found["biased"]
+
+
 def test_a_mistake_of_reuse_is_found(out, scene_file):  # noqa: F811
     method = "graphs/restir_pt.py@reuse.fault=confidence"
     code, found = record(out, scene_file, method, "--frames", "4", "--runs", "64")

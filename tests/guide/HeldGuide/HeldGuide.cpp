@@ -12,8 +12,9 @@ public:
         const auto layout = fixedSize("", [this] { return bytes(); });
         const PortType type = guide(layout, RESTIRPG_PASSES "/GuidingFit/guide.glsl");
         io.input("guide", guide_, type, "a guide of GuidingFit that remembers, one frame ago");
-        io.input("history", history_, type, "the output, one frame ago");
+        io.optionalInput("history", history_, type, "the output guide, one frame ago; needed by `frozen`");
         io.output("guide", held_, type, "what is made of it");
+        io.output("wrong", wrong_, guide(layout, passFile("wrong_guide.glsl")), "the live guide, with a density that is 10% too small");
         io.knob("cells", cells_, 1u << 10, 1u << 24, "slots, as GuidingFit's: a power of two");
         io.structural();
         io.choice("mode", mode_, {"live", "frozen", "garbage"}, "the guide, what it was in frame `from`, or its cells with random narrow lobes");
@@ -24,7 +25,11 @@ public:
 
     void record(Frame& frame) override
     {
-        const bool frozen = mode_ == "frozen" && frame.index() > from_;
+        if (wrong_)
+            frame.copy(*guide_.resource, *wrong_.resource);
+        if (!held_)
+            return;
+        const bool frozen = history_ && mode_ == "frozen" && frame.index() > from_;
         frame.copy(frozen ? *history_.resource : *guide_.resource, *held_.resource);
         if (mode_ == "garbage")
             frame.dispatch(kernel_, HeldGuideParameters{frame.constants(), held_->address()}, cells_);
@@ -37,7 +42,7 @@ private:
     }
 
     In<Buffer> guide_, history_;
-    Out<Buffer> held_;
+    Out<Buffer> held_, wrong_;
     uint32_t cells_ = 4096;
     std::string mode_ = "live";
     uint32_t from_ = 4;
