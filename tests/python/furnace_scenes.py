@@ -8,7 +8,7 @@ from renderer_scenes import GRAPH, ROOT, restirpg
 sys.path.insert(0, str(ROOT / "scripts"))
 
 from scenes import shapes  # noqa: E402
-from scenes.gltf import SceneFile, lambert  # noqa: E402
+from scenes.gltf import Material, SceneFile, emitter, lambert, metal  # noqa: E402
 
 
 def closed_box(folder, albedo):
@@ -45,3 +45,30 @@ def standard_errors_off(means, expected):
     """How many standard errors the mean of the runs is from `expected`. Where the runs do not vary, rounding to 1e-5 is one."""
     error = max(means.std(ddof=1) / np.sqrt(len(means)), 1e-5 * abs(expected))
     return abs(means.mean() - expected) / error
+
+
+WHITE = (1.0, 1.0, 1.0)
+MIRROR, BRUSHED = metal("Mirror", WHITE, 0.0), metal("Brushed", WHITE, 0.12)
+PANE = Material("Pane", WHITE, roughness=0.0, transmission=1.0)
+
+
+def upright_strips(folder, *materials):
+    """Strips of these materials, side by side, that fill the view before a sky of radiance 1."""
+    scene = SceneFile("strips_" + "_".join(m.name for m in materials), 0, environment=WHITE)
+    width = 2 / len(materials)
+    for i, material in enumerate(materials):
+        scene.add(material.name, (shapes.quad((i * width - 1, -1, 0), (width, 0, 0), (0, 2, 0)), material))
+    scene.add_camera((0, 0, 3.0), (0, 0, 0), np.degrees(2 * np.arctan(1 / 3)))
+    return scene.write(folder)
+
+
+def dark_half(folder):
+    """A floor with a black screen across: left of it a lamp and a white wall, right of it nothing that light could reach."""
+    scene = SceneFile("dark_half", 2)
+    scene.add("Floor", (shapes.quad((-2, 0, 2), (4, 0, 0), (0, 0, -4)), lambert("White", (0.8, 0.8, 0.8))))
+    scene.add("Screen", (shapes.quad((0, -9, 9), (0, 0, -18), (0, 18, 0)), lambert("Black", (0.0, 0.0, 0.0))))
+    scene.add("Wall", (shapes.quad((-2, 0, 2), (0, 0, -4), (0, 2, 0)), lambert("White", (0.8, 0.8, 0.8))))
+    lamp = shapes.quad((-1.5, 2.0, -0.5), (1, 0, 0), (0, 0, 1))
+    scene.add("Lamp", (lamp, emitter("Lamp", (5.0, 5.0, 5.0))))
+    scene.add_camera((0, 5.0, 0.01), (0, 0, 0), 40.0)
+    return scene.write(folder)

@@ -1,12 +1,14 @@
-"""The hybrid shift and the MIS weights of ReSTIR PT, path by path through the pass's own GLSL (restir/ShiftProbe).
+"""The hybrid shift and the MIS weights of ReSTIR PT, path by path through its own GLSL (restir/ShiftProbe).
 
 No statistics: every path has to pass. Each of the classes below must have occurred, with endings by light
-samples and by scattering. Tolerances are those of float32, several times the worst of 50,000 paths (in brackets):
+samples and by scattering. Tolerances are those of float32, several times the worst of 50,000 paths (in
+brackets):
 
   T3 weights of a path over all who could hold it add up to 1 within 2e-3 (3e-4), 99.9% within 1e-5 (1e-6)
   T4 there and back: f within 1e-2 (4e-3, a glossy lobe seen at grazing), 99% within 1e-4 (2e-5); J J' = 1
-     within 1e-4 (2e-5); nothing is lost on the way back, and each domain classifies the path as it would its own
-  T5 J against finite differences: 98% within 1% (99% are within 0.5%; the rest are third derivatives of narrow lobes)
+     within 1e-4 (2e-5); nothing is lost on the way back; each domain classifies the path as it would its own
+  T5 J against finite differences: 98% within 1% (99% are within 0.5%; the rest are third derivatives of
+     narrow lobes)
 """
 
 from pathlib import Path
@@ -67,7 +69,8 @@ def measure(renderer, source, frames, fault="none"):
 
 @pytest.fixture(scope="module", params=SOURCES)
 def measured(request, renderer):
-    return request.param, measure(renderer, request.param, FEWER_FRAMES if request.param == "reused" else FRAMES)
+    frames = FEWER_FRAMES if request.param == "reused" else FRAMES
+    return request.param, measure(renderer, request.param, frames)
 
 
 def trips(results, way):
