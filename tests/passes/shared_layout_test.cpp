@@ -11,6 +11,7 @@
 #include "../../passes/GuidingFit/Shared.h"
 #include "../../passes/GuidingScreen/Shared.h"
 #include "../../passes/GuidingSplat/Shared.h"
+#include "../../passes/GuidingView/Shared.h"
 #include "../../passes/PathTracerGuided/Shared.h"
 #include "../../passes/ReSTIRDI/Shared.h"
 #include "../../passes/ReSTIRReuse/Shared.h"
@@ -115,6 +116,7 @@ const std::vector<Layout> LAYOUTS = {
            parallax, cellSize, smallestCell),
     LAYOUT(GuidingFitParameters, frame, statistics, history, guide, capacity, options, remembers, pools, reseeds,
            oldest, decay, minimum, weightPrior, concentrationPrior, largestKappa),
+    LAYOUT(GuidingViewParameters, frame, surface, guide, image, show),
     LAYOUT(ToneMapParameters, frame, image, display, gain, white, curve),
     LAYOUT(LightPoint, instance, index, place),
     LAYOUT(LightReservoir, point, ucw, confidence, target),
@@ -133,7 +135,7 @@ std::string kernelText()
         uses += fmt::format("    {0}Array(address).at[0] = {0}Array(address).at[1];\n", layout.name);
     }
     std::string includes = "#include \"prelude.glsl\"\n#include \"double_single_types.h\"\n#include \"path_vertex_types.h\"\n";
-    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "GuidingFit", "GuidingScreen", "GuidingSplat",
+    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "GuidingFit", "GuidingScreen", "GuidingSplat", "GuidingView",
                              "PathTracerGuided", "ReSTIRDI", "ReSTIRReuse", "ToneMap"})
         includes += fmt::format("#include \"{}/passes/{}/Shared.h\"\n", RESTIRPG_SOURCE, pass);
     return "#version 460\n" + includes +

@@ -1,0 +1,48 @@
+#include "Shared.h"
+#include "render/frame.h"
+
+#include <algorithm>
+
+namespace restirpg {
+
+namespace {
+
+/// In the order of VIEW_*.
+const std::vector<std::string> VIEWS = {"cell", "level", "samples", "age", "kappa", "weight"};
+
+}  // namespace
+
+class GuidingView final : public Pass {
+public:
+    void describe(Interface& io) override
+    {
+        io.input("surface", surface_, perPixel<Hit>("Surface"), "primary hit of each pixel");
+        io.input("guide", guide_, guide({}, {}), "a guide of GuidingFit, of this frame or the one before");
+        io.output("image", image_, image(3), "false colours of the cells that the pixels see; black: no guidance there");
+        io.choice("show", show_, VIEWS, "cell: a colour each; level of the grid; samples last fitted to; frames since then; largest kappa; weight of the heaviest lobe");
+    }
+
+    void build(Device& device) override
+    {
+        if (!guide_.module.ends_with("GuidingFit/guide.glsl"))
+            fail("GuidingView: only the cells of a guide that GuidingFit makes can be shown; wire fit.guide");
+        kernel_ = Kernel(device, passFile("GuidingView.comp"));
+    }
+
+    void record(Frame& frame) override
+    {
+        const auto show = uint32_t(std::find(VIEWS.begin(), VIEWS.end(), show_) - VIEWS.begin());
+        frame.dispatchPixels(kernel_, GuidingViewParameters{frame.constants(), surface_->address(), guide_->address(), image_->address(), show});
+    }
+
+private:
+    In<Buffer> surface_, guide_;
+    Out<Buffer> image_;
+    std::string show_ = "cell";
+    Kernel kernel_;
+};
+
+}  // namespace restirpg
+
+using restirpg::GuidingView;
+RESTIRPG_PASS(GuidingView, "Shows the cells of the guiding grid in false colours")
