@@ -24,10 +24,12 @@ RandomKey reuse_key(uvec2 at)
     return random_key(at, frame.c.frame, frame.c.seed ^ RANDOM_STREAM_REUSE);
 }
 
-/// A primary hit shaded for the camera of its frame.
+/// A primary hit shaded for the camera of its frame. The surface stands where it stands today, as all that the shifts trace does: where
+/// it stood before may be inside of what has moved, from where no path leads anywhere, so that the history's light would be counted again
+/// with every frame.
 ShadingPoint load_domain(Hit hit, bool previous)
 {
-    Surface s = load_surface(hit, previous);
+    Surface s = load_surface(hit, false);
     bool before = previous && RESTIRPG_FAULT != REUSE_FAULT_PREVIOUS_CAMERA;
     vec3 camera = before ? frame.c.previousCamera.position : frame.c.camera.position;
     return shade_surface(s, normalize(camera - s.position));
