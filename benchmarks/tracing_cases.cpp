@@ -16,9 +16,16 @@ using test::Ray;
 
 constexpr uint32_t WIDTH = 640, HEIGHT = 360;  ///< of the primary rays, as in the project's earlier measurements
 
-enum class Kind { primary, bounce, shadow };
+/// shadow: between random hits; light: to points of emitters.
+enum class Kind { primary, bounce, shadow, light };
 constexpr std::pair<Kind, const char*> KINDS[] = {
-    {Kind::primary, "primary"}, {Kind::bounce, "bounce"}, {Kind::shadow, "shadow"}};
+    {Kind::primary, "primary"}, {Kind::bounce, "bounce"}, {Kind::shadow, "shadow"}, {Kind::light, "light"}};
+
+/// Is it enough to know that something is in the way?
+bool wantsAnyHit(Kind kind)
+{
+    return kind == Kind::shadow || kind == Kind::light;
+}
 
 /// A scene's rays, all found with Embree so that every tracer gets the same.
 struct Workload {
@@ -34,6 +41,7 @@ struct Workload {
         const auto hits = embree.closest(rays[Kind::primary]);
         rays[Kind::bounce] = test::bounceRays(*scene, pose, rays[Kind::primary], hits, 1);
         rays[Kind::shadow] = test::shadowRays(*scene, pose, rays[Kind::primary], hits, 2);
+        rays[Kind::light] = test::lightRays(*scene, pose, rays[Kind::primary], hits, 3);
     }
 };
 
@@ -69,8 +77,10 @@ void runEmbree(benchmark::State& state, const std::string& scene, Kind kind)
 {
     auto& workload = workloadOf(scene);
     const auto& rays = workload.rays[kind];
+    if (rays.empty())
+        return state.SkipWithError("no triangle emits");
     timeRays(state, rays.size(), [&] {
-        if (kind == Kind::shadow)
+        if (wantsAnyHit(kind))
             benchmark::DoNotOptimize(workload.embree.occluded(rays));
         else
             benchmark::DoNotOptimize(workload.embree.closest(rays));
@@ -82,9 +92,11 @@ void runDevice(benchmark::State& state, const std::string& scene, const DeviceOp
     auto& workload = workloadOf(scene);
     auto& traced = keep<Traced>(scene + options.backend, [&] { return std::make_shared<Traced>(options, workload); });
     const auto& rays = workload.rays[kind];
+    if (rays.empty())
+        return state.SkipWithError("no triangle emits");
     traced.tracer.upload(rays);
-    traced.tracer.run(kind == Kind::shadow);  // compiles the kernel
-    timeRays(state, rays.size(), [&] { traced.tracer.run(kind == Kind::shadow); });
+    traced.tracer.run(wantsAnyHit(kind));  // compiles the kernel
+    timeRays(state, rays.size(), [&] { traced.tracer.run(wantsAnyHit(kind)); });
 }
 
 }  // namespace

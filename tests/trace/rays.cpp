@@ -1,5 +1,6 @@
 #include "trace/rays.h"
 
+#include "scene/lights.h"
 #include "trace/Shared.h"
 
 #include <cmath>
@@ -124,6 +125,35 @@ std::vector<Ray> shadowRays(const Scene& scene, const std::vector<glm::mat4>& po
         const glm::vec3 x = leave(scene, pose, rays[i], hits[i]).first, y = leave(scene, pose, rays[other], hits[other]).first;
         if (x != y)
             shadows.push_back({x, y - x, 1.0f});
+    }
+    return shadows;
+}
+
+std::vector<Ray> lightRays(const Scene& scene, const std::vector<glm::mat4>& pose, const std::vector<Ray>& rays,
+                           const std::vector<TracedHit>& hits, uint32_t seed)
+{
+    constexpr float JUST_BEFORE = 0.999f;
+    std::vector<Light> emitters;
+    std::vector<double> powers;
+    for (const Light& light : buildLightTable(scene, pose, 1).lights)
+        if (light.type == LIGHT_TRIANGLE) {
+            emitters.push_back(light);
+            powers.push_back(light.pmf);
+        }
+    std::vector<Ray> shadows;
+    if (emitters.empty())
+        return shadows;
+    std::mt19937 generator(seed);
+    std::discrete_distribution<size_t> select(powers.begin(), powers.end());
+    std::uniform_real_distribution<float> uniform;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        if (hits[i].hit.instance == INVALID_INDEX)
+            continue;
+        const Light& light = emitters[select(generator)];
+        const auto p = corners(scene, pose, Hit{light.instance, light.triangle, {}});
+        const float r = std::sqrt(uniform(generator)), b = uniform(generator) * r;
+        const glm::vec3 x = leave(scene, pose, rays[i], hits[i]).first, y = (1 - r) * p[0] + (r - b) * p[1] + b * p[2];
+        shadows.push_back({x, JUST_BEFORE * (y - x), 1.0f});
     }
     return shadows;
 }

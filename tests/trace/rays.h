@@ -70,8 +70,12 @@ std::vector<Ray> primaryRays(const Scene& scene, const std::vector<glm::mat4>& p
 /// From where `rays` hit, cosine-distributed about the normal on the ray's side. Deterministic in `seed`.
 std::vector<Ray> bounceRays(const Scene& scene, const std::vector<glm::mat4>& pose, const std::vector<Ray>& rays,
                             const std::vector<TracedHit>& hits, uint32_t seed);
-/// From where `rays` hit to random points in the scene's box, up to just before the point.
+/// From where `rays` hit to where other ones did, at random, up to just before the point.
 std::vector<Ray> shadowRays(const Scene& scene, const std::vector<glm::mat4>& pose, const std::vector<Ray>& rays,
                             const std::vector<TracedHit>& hits, uint32_t seed);
+/// From where `rays` hit to points of emissive triangles, as next event estimation has them: by power, uniform over the triangle, up to just
+/// before the point. Empty when no triangle emits.
+std::vector<Ray> lightRays(const Scene& scene, const std::vector<glm::mat4>& pose, const std::vector<Ray>& rays,
+                           const std::vector<TracedHit>& hits, uint32_t seed);
 
 }  // namespace restirpg::test
