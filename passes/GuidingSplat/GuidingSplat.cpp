@@ -70,7 +70,7 @@ private:
     In<Buffer> vertices_, samples_, guide_;
     Out<Buffer> statistics_;
     uint32_t cells_ = 1u << 16;
-    float cellSize_ = 16.0f / 1080;
+    float cellSize_ = 0.12f;
     float smallestCell_ = 1e-3f;
     std::string finalEdges_ = "all";
     bool incident_ = false;
