@@ -1,17 +1,21 @@
 #!/usr/bin/python3
-"""See what guides the paths at some pixels: fitted lobes, the directions they were fitted to, and the true product rho L_i cos.
+"""See what guides the paths at some pixels: fitted lobes, the directions they were fitted to, and the true
+product rho L_i cos.
 
-    PYTHONPATH=build/python scripts/see_guide.py --scene FILE --pixel X Y [--pixel X Y ...] [--graph graphs/restir_pg.py]
+    PYTHONPATH=build/python scripts/see_guide.py --scene FILE --pixel X Y [--pixel X Y ...]
+        [--graph graphs/restir_pg.py]
         [--frames 64] [--size 160x90] [--cell-size 0.05] [--raw] [-o out/guide.png] [--markdown FILE]
 
-One row of maps a pixel, each the hemisphere about the surface's normal: azimuth to the right, cosine downwards from 1 to 0, so that
-equal areas are equal solid angles. The product is a render of what the point sees (five faces of a cube, path traced with one
-bounce less, without what is emitted towards the point itself: direct light is not ReSTIR PT's); it stands for the product on diffuse
-surfaces alone. Printed are the Kullback-Leibler divergence of the directions' histogram from the product, the same for as many
-independent draws from the product itself (the least that chance allows), and chi-square over its degrees of freedom, against the
-count of samples. [Zeng et al. 2025, figure 4]
+One row of maps a pixel, each the hemisphere about the surface's normal: azimuth to the right, cosine
+downwards from 1 to 0, so that equal areas are equal solid angles. The product is a render of what the point
+sees (five faces of a cube, path traced with one bounce less, without what is emitted towards the point
+itself: direct light is not ReSTIR PT's); it stands for the product on diffuse surfaces alone. Printed are the
+Kullback-Leibler divergence of the directions' histogram from the product, the same for as many independent
+draws from the product itself (the least that chance allows), and chi-square over its degrees of freedom,
+against the count of samples. [Zeng et al. 2025, figure 4]
 
---raw: instead of the vertices of the paths that were selected, those of raw unguided path trees, weighted by light, BSDF and cosine.
+--raw: instead of the vertices of the paths that were selected, those of raw unguided path trees, weighted by
+light, BSDF and cosine.
 """
 
 import argparse
@@ -25,8 +29,18 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 import restirpg  # noqa: E402
-from harness.guiding import (CELL, MEMORY, SAMPLE, VALID, VERTEX, SUMS, grid_of, mixture_of, read_table,  # noqa: E402
-                             unpack_direction)
+from harness.guiding import (
+    CELL,
+    MEMORY,
+    SAMPLE,
+    VALID,
+    VERTEX,
+    SUMS,
+    grid_of,
+    mixture_of,
+    read_table,  # noqa: E402
+    unpack_direction,
+)
 
 ROWS, COLUMNS = 8, 32  # bins of a hemisphere
 FACE = 48  # pixels of a cube's face
@@ -44,22 +58,31 @@ class Point:
         self.frame = np.stack([tangent, np.cross(normal, tangent), normal])
 
     def histogram(self, directions, weights):
-        """Share of the weights in each bin of the hemisphere, (ROWS, COLUMNS); what lies below the horizon is left out."""
+        """Share of the weights in each bin of the hemisphere, (ROWS, COLUMNS); what lies below the horizon is
+        left out."""
         x, y, z = self.frame @ np.asarray(directions).T
         above = z > 0
-        sums = np.histogram2d(1 - z[above], np.arctan2(y, x)[above], (ROWS, COLUMNS), ((0, 1), (-np.pi, np.pi)),
-                              weights=np.asarray(weights)[above])[0]
+        sums = np.histogram2d(
+            1 - z[above],
+            np.arctan2(y, x)[above],
+            (ROWS, COLUMNS),
+            ((0, 1), (-np.pi, np.pi)),
+            weights=np.asarray(weights)[above],
+        )[0]
         return sums / max(sums.sum(), 1e-30)
 
 
 def learn(arguments, scene):
-    """Render. Returns the points and, for each, a list of (directions (n, 3), weights (n,)) a frame and the last fitted mixture."""
+    """Render. Returns the points and, for each, a list of (directions (n, 3), weights (n,)) a frame and the
+    last fitted mixture."""
     graph = restirpg.load_graph(arguments.graph).description
     port = ("paths", "samples") if arguments.raw else ("reuse", "vertices")
-    graph["outputs"] += [{"name": "training", "pass": port[0], "output": port[1]},
-                         {"name": "normal", "pass": "gbuffer", "output": "geometric_normal"},
-                         {"name": "depth", "pass": "gbuffer", "output": "depth"},
-                         {"name": "material", "pass": "gbuffer", "output": "material"}]
+    graph["outputs"] += [
+        {"name": "training", "pass": port[0], "output": port[1]},
+        {"name": "normal", "pass": "gbuffer", "output": "geometric_normal"},
+        {"name": "depth", "pass": "gbuffer", "output": "depth"},
+        {"name": "material", "pass": "gbuffer", "output": "material"},
+    ]
     renderer = restirpg.Renderer(scene, graph, size=arguments.size, seed=1)
     renderer.set("splat.cell_size", arguments.cell_size)
     if arguments.raw:
@@ -72,7 +95,9 @@ def learn(arguments, scene):
         points = points or find_points(arguments, renderer, grid)
         data = renderer.read_port(".".join(port)).view(SAMPLE if arguments.raw else VERTEX)
         data = data[data["surface"] & VALID != 0]
-        keys = grid.keys(grid.positions(data["position"]), data["surface"] >> 16 & 7, data["surface"] & 0xffff)[0]
+        keys = grid.keys(
+            grid.positions(data["position"]), data["surface"] >> 16 & 7, data["surface"] & 0xFFFF
+        )[0]
         weights = np.ones(len(data))
         if arguments.raw:
             weights = data["weight"] * np.exp2(((data["surface"] >> 22).astype(float) - 512) / 32)
@@ -96,7 +121,9 @@ def find_points(arguments, renderer, grid):
     points = []
     for x, y in arguments.pixel:
         if not (0 <= x < width and 0 <= y < height and images["depth"][y, x, 0] > 0):
-            sys.exit(f"see_guide.py: pixel {x} {y} shows no surface; give one of the {width}x{height} that does")
+            sys.exit(
+                f"see_guide.py: pixel {x} {y} shows no surface; give one of the {width}x{height} that does"
+            )
         across, down = (2 * (x + 0.5) / width - 1) * width / height, 1 - 2 * (y + 0.5) / height
         ray = forward + extent * (across * right + down * np.cross(right, forward))
         position = camera["position"] + images["depth"][y, x, 0] * ray
@@ -112,7 +139,9 @@ def product_at(point, scene, bounces):
     g = restirpg.Graph("What a point sees")
     gbuffer = g.add("gbuffer", "GBuffer", jitter=True)
     paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, direct=True)
-    image = g.add("accumulate", "Accumulate", indirect=paths.radiance, history=restirpg.prev("accumulate.sums"))
+    image = g.add(
+        "accumulate", "Accumulate", indirect=paths.radiance, history=restirpg.prev("accumulate.sums")
+    )
     g.output("image", image.mean)
     renderer = restirpg.Renderer(scene, g, size=(FACE, FACE), seed=2)
     renderer.set_everywhere("bounces", bounces - 1)
@@ -128,30 +157,38 @@ def product_at(point, scene, bounces):
         d = forward + right[..., None] * np.cross(forward, above) + up[..., None] * above
         length = np.linalg.norm(d, axis=-1)
         directions.append((d / length[..., None]).reshape(-1, 3))
-        solid_angle = length ** -3.0
-        weights.append((renderer.output("image") @ LUMINANCE * solid_angle * np.maximum(d @ normal / length, 0)).ravel())
+        solid_angle = length**-3.0
+        weights.append(
+            (renderer.output("image") @ LUMINANCE * solid_angle * np.maximum(d @ normal / length, 0)).ravel()
+        )
     return point.histogram(np.concatenate(directions), np.concatenate(weights))
 
 
 def divergence(histogram, product):
-    """Kullback and Leibler's, of the histogram from the product, nats. A bin where the product is 0 counts as a thousandth of a bin."""
+    """Kullback and Leibler's, of the histogram from the product, nats. A bin where the product is 0 counts as
+    a thousandth of a bin."""
     q = np.maximum(product, 1e-3 / product.size)
     return float((histogram * np.log(np.maximum(histogram, 1e-30) / (q / q.sum()))).sum())
 
 
 def measure(samples, point, product, random):
-    """[(frames, samples, effective samples, divergence, least divergence, chi-square over degrees of freedom)], frames doubling."""
+    """[(frames, samples, effective samples, divergence, least divergence, chi-square over degrees of
+    freedom)], frames doubling."""
     rows, frames = [], 1
     while frames <= len(samples):
         directions = np.concatenate([d for d, _ in samples[:frames]])
         weights = np.concatenate([w for _, w in samples[:frames]])
         if len(weights):
-            effective = weights.sum() ** 2 / (weights ** 2).sum()
+            effective = weights.sum() ** 2 / (weights**2).sum()
             histogram, n = point.histogram(directions, weights), max(round(effective), 1)
             draws = random.multinomial(n, product.ravel(), 20) / n
             least = np.mean([divergence(draw.reshape(product.shape), product) for draw in draws])
             wide = product * n >= 5
-            score = n * ((histogram - product)[wide] ** 2 / product[wide]).sum() / max(wide.sum() - 1, 1) if wide.sum() > 1 else np.nan
+            score = (
+                n * ((histogram - product)[wide] ** 2 / product[wide]).sum() / max(wide.sum() - 1, 1)
+                if wide.sum() > 1
+                else np.nan
+            )
             rows.append((frames, len(weights), effective, divergence(histogram, product), least, score))
         frames *= 2
     return rows
@@ -186,7 +223,9 @@ def draw(file, arguments, maps):
 
 
 def parse():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--scene", type=Path, required=True)
     parser.add_argument("--pixel", type=int, nargs=2, action="append", required=True)
     parser.add_argument("--graph", type=Path, default=Path(__file__).parents[1] / "graphs" / "restir_pg.py")
@@ -208,9 +247,14 @@ def main():
         product = product_at(point, scene, scene.bounce_cap or 8)
         for row in measure(mine, point, product, random):
             lines.append("| {} {} | {} | {} | {:.0f} | {:.3f} | {:.3f} | {:.1f} |".format(*pixel, *row))
-        directions = point.histogram(np.concatenate([d for d, _ in mine]), np.concatenate([w for _, w in mine]))
+        directions = point.histogram(
+            np.concatenate([d for d, _ in mine]), np.concatenate([w for _, w in mine])
+        )
         maps.append((product, directions, lobes_in(mixture, point) if mixture else None))
-    head = ["| pixel | frames | samples | effective | KL | KL by chance | chi-square / dof |", "| --- | --- | --- | --- | --- | --- | --- |"]
+    head = [
+        "| pixel | frames | samples | effective | KL | KL by chance | chi-square / dof |",
+        "| --- | --- | --- | --- | --- | --- | --- |",
+    ]
     print("\n".join(head + lines))
     if arguments.markdown:
         arguments.markdown.write_text("\n".join(head + lines) + "\n")

@@ -1,11 +1,14 @@
 #!/usr/bin/python3
-"""How many samples a cell of the guiding grid gets in a frame, from the paths that ReSTIR PT selected and from its raw candidates.
+"""How many samples a cell of the guiding grid gets in a frame, from the paths that ReSTIR PT selected and
+from its raw candidates.
 
-    PYTHONPATH=build/python benchmarks/guiding/samples_per_cell.py [--scene NAME|FILE ...] [--size 160x90] [--markdown FILE]
+    PYTHONPATH=build/python benchmarks/guiding/samples_per_cell.py [--scene NAME|FILE ...] [--size 160x90]
+        [--markdown FILE]
 
-A sample is a smooth bounce of a path that carries light. Candidates are unguided here (alpha = 1), so that both columns see the
-same frames. The paper's Table 1 does not say what it averages over; three averages are given: over the cells that the method touched,
-over those that either did, and weighted by the samples themselves (what a sample sees), sum n^2 / sum n. [Zeng et al. 2025, table 1]
+A sample is a smooth bounce of a path that carries light. Candidates are unguided here (alpha = 1), so that
+both columns see the same frames. The paper's Table 1 does not say what it averages over; three averages are
+given: over the cells that the method touched, over those that either did, and weighted by the samples
+themselves (what a sample sees), sum n^2 / sum n. [Zeng et al. 2025, table 1]
 """
 
 import argparse
@@ -31,19 +34,21 @@ def counts_of(renderer, port):
     grid = grid_of(read_table(renderer.read_port("splat.statistics"), SUMS)[0])
     v = renderer.read_port(port).view(VERTEX)
     v = v[v["surface"] & VALID != 0]
-    keys = grid.keys(grid.positions(v["position"]), v["surface"] >> 16 & 7, v["surface"] & 0xffff)[0]
+    keys = grid.keys(grid.positions(v["position"]), v["surface"] >> 16 & 7, v["surface"] & 0xFFFF)[0]
     return dict(zip(*np.unique(keys, return_counts=True)))
 
 
 def averages(mine, other):
     """Means over the cells of `mine`, over those of both, and weighted by the samples."""
     n = np.array(list(mine.values()), float)
-    return n.mean(), n.sum() / len(mine.keys() | other.keys()), (n ** 2).sum() / n.sum()
+    return n.mean(), n.sum() / len(mine.keys() | other.keys()), (n**2).sum() / n.sum()
 
 
 def measure(scene, size):
     """One row: {method: averages}, means over the counted frames; and the last frame's numbers of cells."""
-    renderer = restirpg.Renderer(scene, restirpg.load_graph(ROOT / "graphs" / "restir_pg.py"), size=size, seed=1)
+    renderer = restirpg.Renderer(
+        scene, restirpg.load_graph(ROOT / "graphs" / "restir_pg.py"), size=size, seed=1
+    )
     renderer.set("paths.alpha", 1.0)
     renderer.render(FIRST - 1)
     rows = []
@@ -57,17 +62,26 @@ def measure(scene, size):
 def load(name, folder):
     if Path(name).is_file():
         return restirpg.load_scene(name)
-    subprocess.run([sys.executable, ROOT / "scripts" / "make_scenes.py", name, "--out", folder], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(
+        [sys.executable, ROOT / "scripts" / "make_scenes.py", name, "--out", folder],
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
     return restirpg.load_scene(Path(folder) / f"{name}.glb")
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--scene", nargs="+", default=SCENES)
     parser.add_argument("--size", type=lambda text: tuple(map(int, text.split("x"))), default=(160, 90))
     parser.add_argument("--markdown", type=Path)
     arguments = parser.parse_args()
-    lines = ["| scene | cells, ReSTIR / raw | own cells | cells of either | sample-weighted |", "| --- | --- | --- | --- | --- |"]
+    lines = [
+        "| scene | cells, ReSTIR / raw | own cells | cells of either | sample-weighted |",
+        "| --- | --- | --- | --- | --- |",
+    ]
     with tempfile.TemporaryDirectory() as folder:
         for name in arguments.scene:
             (restir, raw), cells, raw_cells = measure(load(name, folder), arguments.size)

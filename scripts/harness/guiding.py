@@ -1,4 +1,5 @@
-"""What is in the guiding grid's buffers (framework/shaders/guiding_grid_types.h, path_vertex_types.h), for scripts and tests to read.
+"""What is in the guiding grid's buffers (framework/shaders/guiding_grid_types.h, path_vertex_types.h), for
+scripts and tests to read.
 
 Tables are dictionaries from key to records. Positions and lengths in m, densities in 1/sr.
 """
@@ -8,13 +9,35 @@ from dataclasses import dataclass
 import numpy as np
 
 VERTEX = np.dtype([("position", "<u8"), ("direction", "<u4"), ("surface", "<u4")])
-SAMPLE = np.dtype([("position", "<u8"), ("direction", "<u4"), ("surface", "<u4"), ("weight", "<f4"), ("distance", "<f4")])
-HEADER = np.dtype([("camera", "<f4", 3), ("scale", "<f4"), ("origin", "<f4", 3), ("smallest", "<f4"), ("capacity", "<u4"),
-                   ("options", "<u4"), ("cells", "<u4"), ("collisions", "<u4"), ("failed", "<u4"), ("samples", "<u4"),
-                   ("fitted", "<u4"), ("guiding", "<u4"), ("unused", "<u4", 4)])
+SAMPLE = np.dtype(
+    [("position", "<u8"), ("direction", "<u4"), ("surface", "<u4"), ("weight", "<f4"), ("distance", "<f4")]
+)
+HEADER = np.dtype(
+    [
+        ("camera", "<f4", 3),
+        ("scale", "<f4"),
+        ("origin", "<f4", 3),
+        ("smallest", "<f4"),
+        ("capacity", "<u4"),
+        ("options", "<u4"),
+        ("cells", "<u4"),
+        ("collisions", "<u4"),
+        ("failed", "<u4"),
+        ("samples", "<u4"),
+        ("fitted", "<u4"),
+        ("guiding", "<u4"),
+        ("unused", "<u4", 4),
+    ]
+)
 SUMS = np.dtype([("lanes", "<i8", 16), ("strangest", "<u8"), ("count", "<u4"), ("unused", "<u4")])
 PLACES = np.dtype([("lanes", "<i8", 7)])
-CELL = np.dtype([("lobes", [("direction", "<u4"), ("kappa", "<f4"), ("weight", "<f4")], 4), ("age", "<u4"), ("samples", "<f4")])
+CELL = np.dtype(
+    [
+        ("lobes", [("direction", "<u4"), ("kappa", "<f4"), ("weight", "<f4")], 4),
+        ("age", "<u4"),
+        ("samples", "<f4"),
+    ]
+)
 MEMORY = np.dtype([("sums", "<f4", 16), ("count", "<f4"), ("places", "<f4", 7)])
 
 VALID, FINAL, LIGHT_SAMPLED = 1 << 19, 1 << 20, 1 << 21
@@ -23,11 +46,11 @@ LOBES = 4
 
 def read_table(raw, *records):
     """Header and {key: one record of each kind} of a buffer of the guiding grid's form."""
-    header = raw[:HEADER.itemsize].view(HEADER)[0]
+    header = raw[: HEADER.itemsize].view(HEADER)[0]
     capacity, at = int(header["capacity"]), HEADER.itemsize
     columns = []
     for dtype in (np.dtype("<u8"), *records):
-        columns.append(raw[at:at + capacity * dtype.itemsize].view(dtype))
+        columns.append(raw[at : at + capacity * dtype.itemsize].view(dtype))
         at += capacity * dtype.itemsize
     assert at == len(raw), "the buffer holds other records than these"
     slots = np.flatnonzero(columns[0])
@@ -39,7 +62,7 @@ def read_table(raw, *records):
 def unpack_direction(bits):
     """Unit vectors (..., 3) of packed octahedral directions."""
     bits = np.asarray(bits, np.uint32)
-    halves = np.stack([bits & 0xffff, bits >> 16], -1).astype(np.uint16).view(np.int16)
+    halves = np.stack([bits & 0xFFFF, bits >> 16], -1).astype(np.uint16).view(np.int16)
     p = np.maximum(halves / 32767.0, -1.0)
     z = 1 - np.abs(p).sum(-1)
     folded = (1 - np.abs(p[..., ::-1])) * np.where(p >= 0, 1, -1)
@@ -49,7 +72,9 @@ def unpack_direction(bits):
 
 @dataclass
 class Grid:
-    """Keys of a frame: `camera` (3,), `scale`: largest side over distance, `origin` (3,), `smallest` side, m."""
+    """Keys of a frame: `camera` (3,), `scale`: largest side over distance, `origin` (3,), `smallest` side,
+    m."""
+
     camera: np.ndarray
     scale: float
     origin: np.ndarray
@@ -63,17 +88,20 @@ class Grid:
     def positions(self, packed):
         """Points (n, 3) of positions of 3 x 21 bits."""
         packed = np.asarray(packed, np.uint64)
-        q = np.stack([packed >> np.uint64(21 * axis) & np.uint64(0x1fffff) for axis in range(3)], -1).astype(float)
-        return self.origin + (q + 0.5) / 2 ** 21 * 4 * self.radius
+        q = np.stack([packed >> np.uint64(21 * axis) & np.uint64(0x1FFFFF) for axis in range(3)], -1).astype(
+            float
+        )
+        return self.origin + (q + 0.5) / 2**21 * 4 * self.radius
 
     def keys(self, points, face, material):
-        """Keys (n,) and whether rounding may make the GPU see another cell: within 1e-6 radii of a border, or 1e-5 of a level."""
+        """Keys (n,) and whether rounding may make the GPU see another cell: within 1e-6 radii of a border, or
+        1e-5 of a level."""
         exact = np.log2(self.scale * np.linalg.norm(points - self.camera, axis=-1) / self.smallest)
         level = np.clip(np.floor(exact), 0, 31).astype(int)
         place = np.maximum((points - self.origin) / self.side(level)[:, None], 0)
-        index = place.astype(np.uint64) & np.uint64(0x1fff)
+        index = place.astype(np.uint64) & np.uint64(0x1FFF)
         key = index[:, 0] | index[:, 1] << np.uint64(13) | index[:, 2] << np.uint64(26)
-        for value, shift in ((level, 39), (face, 44), (material & 0xffff, 47)):
+        for value, shift in ((level, 39), (face, 44), (material & 0xFFFF, 47)):
             key = key | np.asarray(value).astype(np.uint64) << np.uint64(shift)
         near = np.abs(place - np.round(place)) * self.side(level)[:, None] < 1e-6 * self.radius
         return key | np.uint64(1 << 63), near.any(-1) | (np.abs(exact - np.round(exact)) < 1e-5)
@@ -82,7 +110,7 @@ class Grid:
         return self.smallest * 2.0 ** np.asarray(level)
 
     def center(self, key):
-        index = np.array([key >> shift & 0x1fff for shift in (0, 13, 26)])
+        index = np.array([key >> shift & 0x1FFF for shift in (0, 13, 26)])
         return self.origin + (index + 0.5) * self.side(level_of(key))
 
 
@@ -95,16 +123,22 @@ def face_of(key):
 
 
 def material_of(key):
-    return key >> 47 & 0xffff
+    return key >> 47 & 0xFFFF
 
 
 def grid_of(header):
-    return Grid(header["camera"].astype(float), float(header["scale"]), header["origin"].astype(float), float(header["smallest"]))
+    return Grid(
+        header["camera"].astype(float),
+        float(header["scale"]),
+        header["origin"].astype(float),
+        float(header["smallest"]),
+    )
 
 
 @dataclass
 class Mixture:
     """Lobes: `mu` (4, 3), `kappa` (4,), `weight` (4,)."""
+
     mu: np.ndarray
     kappa: np.ndarray
     weight: np.ndarray
@@ -126,4 +160,6 @@ class Mixture:
 
 def mixture_of(cell):
     lobes = cell["lobes"]
-    return Mixture(unpack_direction(lobes["direction"]), lobes["kappa"].astype(float), lobes["weight"].astype(float))
+    return Mixture(
+        unpack_direction(lobes["direction"]), lobes["kappa"].astype(float), lobes["weight"].astype(float)
+    )

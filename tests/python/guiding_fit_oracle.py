@@ -1,13 +1,25 @@
-"""GuidingFit in NumPy and double precision: the M-step, what cells remember, which live on. Written from ALGORITHMS 3.2 to 3.5.
+"""GuidingFit in NumPy and double precision: the M-step, what cells remember, which live on. Written from
+ALGORITHMS 3.2 to 3.5.
 
-A cell that has fewer samples than the knob `minimum` keeps its lobes and, with `pool`, its samples; one that has enough is fitted,
-and its sums weigh `decay` in the next frame. Cells without samples live on for `oldest` frames.
+A cell that has fewer samples than the knob `minimum` keeps its lobes and, with `pool`, its samples; one that
+has enough is fitted, and its sums weigh `decay` in the next frame. Cells without samples live on for `oldest`
+frames.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from guiding_oracle import LOBES, ONE, Mixture, face_normals, face_of, mixture_of, new_mixture, previous_key, unpack_direction
+from guiding_oracle import (
+    LOBES,
+    ONE,
+    Mixture,
+    face_normals,
+    face_of,
+    mixture_of,
+    new_mixture,
+    previous_key,
+    unpack_direction,
+)
 
 
 def m_step(sums, count, before, knobs):
@@ -18,19 +30,24 @@ def m_step(sums, count, before, knobs):
     mine = weight * count
     cosine = length / np.maximum(share, 1e-20) * mine / (knobs["concentration_prior"] + mine)
     cosine = np.minimum(cosine, 1 - 1 / knobs["largest_kappa"])
-    kappa = (3 * cosine - cosine ** 3) / (1 - cosine ** 2)
+    kappa = (3 * cosine - cosine**3) / (1 - cosine**2)
     mu = np.where(length[:, None] > 0, sums[:, :3] / np.maximum(length, 1e-300)[:, None], before.mu)
     return Mixture(mu, np.where(kappa < 1e-3, 0, kappa), weight)
 
 
 def reseed(m, strangest):
-    """Move the lightest lobe that is below 2% or another's twin (cosine above 0.999, kappas within 1.5 times) to the direction
-    `strangest`.  [ALGORITHMS 3.4] Returns the mixture, and by how little a threshold was passed or missed."""
+    """Move the lightest lobe that is below 2% or another's twin (cosine above 0.999, kappas within 1.5 times)
+    to the direction `strangest`.  [ALGORITHMS 3.4] Returns the mixture, and by how little a threshold was
+    passed or missed."""
     cosines = m.mu @ m.mu.T
     ratio = np.maximum.outer(m.kappa, m.kappa) / np.maximum(np.minimum.outer(m.kappa, m.kappa), 1e-20)
     lighter = (m.weight[:, None] <= m.weight) & ~np.eye(LOBES, dtype=bool)
     twins = (cosines > 0.999) & (ratio < 1.5) & lighter
-    margins = [np.abs(m.weight - 0.02).min(), np.abs(cosines - 0.999)[lighter].min(), np.abs(ratio[lighter] / 1.5 - 1).min()]
+    margins = [
+        np.abs(m.weight - 0.02).min(),
+        np.abs(cosines - 0.999)[lighter].min(),
+        np.abs(ratio[lighter] / 1.5 - 1).min(),
+    ]
     idle = np.flatnonzero((m.weight < 0.02) | twins.any(1))
     if len(idle):
         order = np.sort(m.weight[idle])
@@ -43,7 +60,9 @@ def reseed(m, strangest):
 
 @dataclass
 class FittedCell:
-    """What a cell of the guide should be. `memory` (24,): sums, count, places, or None; `doubtful`: rounding decides."""
+    """What a cell of the guide should be. `memory` (24,): sums, count, places, or None; `doubtful`: rounding
+    decides."""
+
     mixture: Mixture
     age: int
     samples: float
@@ -56,15 +75,19 @@ def memory_of(record):
 
 
 def batch_of(sums, places):
-    """A frame's sums as a memory (24,), scaled so that the shares add up to the count of the samples.  [ALGORITHMS 3.1]"""
-    batch = np.r_[sums["lanes"] / ONE, sums["count"], places["lanes"] / ONE if places is not None else np.zeros(7)]
+    """A frame's sums as a memory (24,), scaled so that the shares add up to the count of the samples.
+    [ALGORITHMS 3.1]"""
+    batch = np.r_[
+        sums["lanes"] / ONE, sums["count"], places["lanes"] / ONE if places is not None else np.zeros(7)
+    ]
     total = batch[3:16:4].sum()
     scale = batch[16] / total if total > 0 else 0.0
     return batch * np.r_[np.full(16, scale), 1.0, np.full(7, scale)]
 
 
 def fit_cell(key, statistics, grid, before, cells, knobs):
-    """The FittedCell of a key that has samples. `statistics`: its records; `before`, `cells`: the guide a frame ago; `knobs`: GuidingFit's."""
+    """The FittedCell of a key that has samples. `statistics`: its records; `before`, `cells`: the guide a
+    frame ago; `knobs`: GuidingFit's."""
     sums = statistics[0]
     memory = batch_of(sums, statistics[1] if len(statistics) > 1 else None)
     remembers = knobs["pool"] or knobs["decay"] > 0 or knobs["parallax"]
@@ -79,7 +102,9 @@ def fit_cell(key, statistics, grid, before, cells, knobs):
     if memory[16] >= knobs["minimum"]:
         mixture = m_step(memory[:16].reshape(LOBES, 4), memory[16], mixture, knobs)
         if knobs["reseed"]:
-            mixture, margin = reseed(mixture, unpack_direction(np.uint32(sums["strangest"] & np.uint64(0xffffffff))))
+            mixture, margin = reseed(
+                mixture, unpack_direction(np.uint32(sums["strangest"] & np.uint64(0xFFFFFFFF)))
+            )
             doubtful = doubtful or margin < 1e-4
         age, samples, kept = 0, memory[16], knobs["decay"]
     elif age > knobs["oldest"]:

@@ -1,7 +1,8 @@
-"""The guiding grid in NumPy and double precision: keys, E-step and M-step, written from ALGORITHMS' equations on what
-harness.guiding reads, without a line of the kernels.
+"""The guiding grid in NumPy and double precision: keys, E-step and M-step, written from ALGORITHMS' equations
+on what harness.guiding reads, without a line of the kernels.
 
-Tables are dictionaries from key to record; how the GPU's hash table places them is checked by `slots_are_reachable`.
+Tables are dictionaries from key to record; how the GPU's hash table places them is checked by
+`slots_are_reachable`.
 """
 
 import sys
@@ -13,18 +14,40 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 
 from harness.guiding import (  # noqa: E402, F401
-    CELL, FINAL, HEADER, LIGHT_SAMPLED, LOBES, MEMORY, PLACES, SAMPLE, SUMS, VALID, VERTEX, Grid, Mixture, face_of, grid_of, level_of,
-    material_of, mixture_of, read_table, unpack_direction)
+    CELL,
+    FINAL,
+    HEADER,
+    LIGHT_SAMPLED,
+    LOBES,
+    MEMORY,
+    PLACES,
+    SAMPLE,
+    SUMS,
+    VALID,
+    VERTEX,
+    Grid,
+    Mixture,
+    face_of,
+    grid_of,
+    level_of,
+    material_of,
+    mixture_of,
+    read_table,
+    unpack_direction,
+)
 
 PROBES = 32
-ONE = 2.0 ** 24  # of the fixed-point sums
+ONE = 2.0**24  # of the fixed-point sums
 LARGEST_WEIGHT = 65536.0
 SHORTEST_DISTANCE = 1e-3  # m, of what inverse distances are summed of
 
 
 def pcg4d(x, y):
     """First word of the hash of (x, y, 0, 0).  [Jarzynski & Olano 2020]"""
-    v = [np.asarray(c, np.uint32) * np.uint32(1664525) + np.uint32(1013904223) for c in (x, y, np.zeros_like(x), np.zeros_like(x))]
+    v = [
+        np.asarray(c, np.uint32) * np.uint32(1664525) + np.uint32(1013904223)
+        for c in (x, y, np.zeros_like(x), np.zeros_like(x))
+    ]
     for last in (False, True):
         for to, a, b in ((0, 1, 3), (1, 2, 0), (2, 0, 1), (3, 1, 2)):
             v[to] = v[to] + v[a] * v[b]
@@ -36,11 +59,15 @@ def slots_are_reachable(keys):
     """Does a probe that begins at each key's own slot find it before an empty slot, within PROBES?"""
     capacity, taken = len(keys), np.flatnonzero(keys)
     words = keys[taken]
-    hashes = pcg4d((words & np.uint64(0xffffffff)).astype(np.uint32), (words >> np.uint64(32)).astype(np.uint32))
+    hashes = pcg4d(
+        (words & np.uint64(0xFFFFFFFF)).astype(np.uint32), (words >> np.uint64(32)).astype(np.uint32)
+    )
     home = (hashes ^ hashes >> np.uint32(16)) % capacity
     steps = (taken - home) % capacity
-    return all(step < PROBES and np.all(keys[(start + np.arange(step)) % capacity] != 0)
-               for start, step in zip(home.astype(int), steps.astype(int)))
+    return all(
+        step < PROBES and np.all(keys[(start + np.arange(step)) % capacity] != 0)
+        for start, step in zip(home.astype(int), steps.astype(int))
+    )
 
 
 def face_normals(face):
@@ -50,7 +77,8 @@ def face_normals(face):
 
 
 def new_mixture(normal):
-    """Fibonacci set over the hemisphere of a face, kappa 3, equal weights.  [ALGORITHMS 3.4; frame: Duff et al. 2017]"""
+    """Fibonacci set over the hemisphere of a face, kappa 3, equal weights.  [ALGORITHMS 3.4; frame: Duff et
+    al. 2017]"""
     k = np.arange(LOBES)
     z, phi = 1 - (k + 0.5) / LOBES, np.pi * (3 - np.sqrt(5)) * k
     r = np.sqrt(1 - z * z)
@@ -58,22 +86,29 @@ def new_mixture(normal):
     s = 1.0 if up >= 0 else -1.0
     a = -1 / (s + up)
     frame = np.array([[1 + s * x * x * a, s * x * y * a, -s * x], [x * y * a, s + y * y * a, -y], normal])
-    return Mixture(np.stack([r * np.cos(phi), r * np.sin(phi), z], -1) @ frame, np.full(LOBES, 3.0), np.full(LOBES, 0.25))
+    return Mixture(
+        np.stack([r * np.cos(phi), r * np.sin(phi), z], -1) @ frame, np.full(LOBES, 3.0), np.full(LOBES, 0.25)
+    )
 
 
 def previous_key(key, grid, before, cells):
-    """The key under which the frame before served a cell, or None; and whether rounding decides.  `before`: its grid."""
+    """The key under which the frame before served a cell, or None; and whether rounding decides.  `before`:
+    its grid."""
     if before is None:
         return None, False
     if key in cells:
         return key, False
-    other, doubtful = before.keys(grid.center(key)[None], np.array([face_of(key)]), np.array([material_of(key)]))
+    other, doubtful = before.keys(
+        grid.center(key)[None], np.array([face_of(key)]), np.array([material_of(key)])
+    )
     return (int(other[0]) if int(other[0]) in cells else None), bool(doubtful[0])
 
 
 @dataclass
 class CellSums:
-    """E-step of a cell. `sums` (4, 4): x, y, z, 1 a lobe; `places` (7,); `weight`: of all samples; `doubtful`: not to be compared."""
+    """E-step of a cell. `sums` (4, 4): x, y, z, 1 a lobe; `places` (7,); `weight`: of all samples;
+    `doubtful`: not to be compared."""
+
     sums: np.ndarray = field(default_factory=lambda: np.zeros((LOBES, 4)))
     places: np.ndarray = field(default_factory=lambda: np.zeros(7))
     count: int = 0
@@ -84,10 +119,11 @@ class CellSums:
 
 
 def e_step(samples, grid, before, cells):
-    """{key: CellSums} of a frame's samples (SAMPLE), against the guide of the frame before: its grid and {key: (CELL, ...)}."""
+    """{key: CellSums} of a frame's samples (SAMPLE), against the guide of the frame before: its grid and
+    {key: (CELL, ...)}."""
     used = samples[(samples["surface"] & VALID != 0) & (samples["weight"] > 0)]
     points = grid.positions(used["position"])
-    keys, doubtful = grid.keys(points, used["surface"] >> 16 & 7, used["surface"] & 0xffff)
+    keys, doubtful = grid.keys(points, used["surface"] >> 16 & 7, used["surface"] & 0xFFFF)
     w = unpack_direction(used["direction"])
     weights = np.minimum(used["weight"].astype(float), LARGEST_WEIGHT)
     inverse = 1 / np.maximum(used["distance"].astype(float), SHORTEST_DISTANCE)
@@ -95,10 +131,18 @@ def e_step(samples, grid, before, cells):
     for key in map(int, np.unique(keys)):
         mine = np.flatnonzero(keys == key)
         found, unsure = previous_key(key, grid, before, cells)
-        mixture = mixture_of(cells[found][0]) if found else new_mixture(face_normals(np.array([face_of(key)]))[0])
+        mixture = (
+            mixture_of(cells[found][0]) if found else new_mixture(face_normals(np.array([face_of(key)]))[0])
+        )
         share = mixture.shares(w[mine]) * weights[mine, None]
         place = (points[mine] - grid.center(key)) / grid.side(level_of(key))
-        result[key] = CellSums(share.T @ np.c_[w[mine], np.ones(len(mine))],
-                               np.r_[share.T @ inverse[mine], weights[mine] @ place], len(mine), weights[mine].sum(),
-                               mixture.log_density(w[mine]).min(), used["direction"][mine].tolist(), unsure or key in doubts)
+        result[key] = CellSums(
+            share.T @ np.c_[w[mine], np.ones(len(mine))],
+            np.r_[share.T @ inverse[mine], weights[mine] @ place],
+            len(mine),
+            weights[mine].sum(),
+            mixture.log_density(w[mine]).min(),
+            used["direction"][mine].tolist(),
+            unsure or key in doubts,
+        )
     return result

@@ -1,9 +1,10 @@
-"""T9 (ALGORITHMS 11): a guide that is learnt from the very paths it then guides leaves the mean as it is, as do one that was frozen and
-one whose lobes, kappa 1000 in random directions, mean nothing.
+"""T9 (ALGORITHMS 11): a guide that is learnt from the very paths it then guides leaves the mean as it is, as
+do one that was frozen and one whose lobes, kappa 1000 in random directions, mean nothing.
 
-Null hypothesis: indirect light of the diffuse Cornell box has the path tracer's image mean. The mean over the first FRAMES frames of each
-of RUNS independent runs is one sample, for frames of one run are correlated; |z| < 4 has a false-alarm rate of 6 x 10^-5 a test for
-normal noise. A guide whose density is 10% too small, which makes the picture 2.5% too bright, must be found.
+Null hypothesis: indirect light of the diffuse Cornell box has the path tracer's image mean. The mean over the
+first FRAMES frames of each of RUNS independent runs is one sample, for frames of one run are correlated; |z|
+< 4 has a false-alarm rate of 6 x 10^-5 a test for normal noise. A guide whose density is 10% too small, which
+makes the picture 2.5% too bright, must be found.
 """
 
 import os
@@ -40,10 +41,19 @@ def guided(port="guide", mode="live"):
     passes["reuse"]["knobs"]["cap"] = CAP
     for name, knobs in (("splat", {"cells": CELLS, "cell_size": 0.15}), ("fit", {"cells": CELLS})):
         passes[name]["knobs"].update(knobs)
-    inputs = {"guide": fitted} | ({"history": {"pass": "held", "output": "guide", "delayed": True}} if port == "guide" else {})
-    g["passes"].append({"name": "held", "type": "HeldGuide", "inputs": inputs, "knobs": {"cells": CELLS, "mode": mode}})
-    passes["accumulate"]["inputs"] = {name: passes["accumulate"]["inputs"][name] for name in ("indirect", "history")}
-    g["outputs"] = [{"name": "image", "pass": "accumulate", "output": "mean"}, {"name": "guide", "pass": "fit", "output": "guide"}]
+    inputs = {"guide": fitted} | (
+        {"history": {"pass": "held", "output": "guide", "delayed": True}} if port == "guide" else {}
+    )
+    g["passes"].append(
+        {"name": "held", "type": "HeldGuide", "inputs": inputs, "knobs": {"cells": CELLS, "mode": mode}}
+    )
+    passes["accumulate"]["inputs"] = {
+        name: passes["accumulate"]["inputs"][name] for name in ("indirect", "history")
+    }
+    g["outputs"] = [
+        {"name": "image", "pass": "accumulate", "output": "mean"},
+        {"name": "guide", "pass": "fit", "output": "guide"},
+    ]
     return g
 
 
@@ -64,8 +74,11 @@ def guided_means(scene, graph, first_seed):  # noqa: F811
     """Means of RUNS runs in which most cells guide."""
     means, renderer = run_means(scene, graph, FRAMES, first_seed, RUNS)
     header = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, oracle.MEMORY)[0]
-    print(f"{header['cells']} cells, {header['guiding']} guide, {header['samples'] / header['cells']:.1f} samples a cell and frame; "
-          f"deviation of a run {means.std(ddof=1) / means.mean():.4f}")
+    print(
+        f"{header['cells']} cells, {header['guiding']} guide, "
+        f"{header['samples'] / header['cells']:.1f} samples a cell and frame; "
+        f"deviation of a run {means.std(ddof=1) / means.mean():.4f}"
+    )
     assert header["guiding"] > 0.5 * header["cells"]
     return means
 

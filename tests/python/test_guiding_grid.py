@@ -1,8 +1,9 @@
-"""The guiding grid against an oracle: on recorded vertices of real frames, GuidingSplat's keys and counts are those of
-guiding_oracle exactly, its sums within 2^-19 of the samples' weight, and GuidingFit's guide within 1% of guiding_fit_oracle's.
+"""The guiding grid against an oracle: on recorded vertices of real frames, GuidingSplat's keys and counts are
+those of guiding_oracle exactly, its sums within 2^-19 of the samples' weight, and GuidingFit's guide within
+1% of guiding_fit_oracle's.
 
-Nothing here is statistical. Left out are cells that rounding decides: vertices within 10^-6 radii of a border, or lobes within
-10^-4 of a threshold of re-seeding. That these are few is tested, too.
+Nothing here is statistical. Left out are cells that rounding decides: vertices within 10^-6 radii of a
+border, or lobes within 10^-4 of a threshold of re-seeding. That these are few is tested, too.
 """
 
 import subprocess
@@ -20,15 +21,18 @@ from renderer_scenes import scene_file  # noqa: F401
 FRAMES = 6
 #: Cells of this part of the image's height hold some ten samples each at 32 x 32.
 CELL_SIZE = 0.15
-SUM_TOLERANCE = 2.0 ** -19  # of the samples' weight: single-precision exp; measured: 2^-21
+SUM_TOLERANCE = 2.0**-19  # of the samples' weight: single-precision exp; measured: 2^-21
 FIT_TOLERANCE = 0.01  # of kappa and weight; measured: 0.2%
-#: Under a moving camera, the middle of a cell that changes its level is a corner of finer ones, and rounding picks one of them.
+#: Under a moving camera, the middle of a cell that changes its level is a corner of finer ones, and rounding
+#: picks one of them.
 FEW = 0.05
 
 
 @dataclass
 class Recorded:
-    """One frame. `samples`: SAMPLE; `statistics`, `guide`: (header, table, keys); `before`: the guide a frame ago, or None."""
+    """One frame. `samples`: SAMPLE; `statistics`, `guide`: (header, table, keys); `before`: the guide a frame
+    ago, or None."""
+
     samples: np.ndarray
     camera: dict
     statistics: tuple
@@ -84,7 +88,9 @@ def record(scene, graph, move=0.0, count=FRAMES, **knobs):  # noqa: F811
         renderer.render(1)
         guide = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, *memory)
         statistics = oracle.read_table(renderer.read_port("splat.statistics"), oracle.SUMS, *places)
-        frames.append(Recorded(training_samples(renderer), renderer.camera, statistics, guide, before, values))
+        frames.append(
+            Recorded(training_samples(renderer), renderer.camera, statistics, guide, before, values)
+        )
         before = guide
         assert np.isfinite(renderer.output("image")).all()
     return frames
@@ -102,8 +108,16 @@ CASES = {
     "still": ("cornell_box", "restir_pg", {}),
     "moving": ("door_ajar", "restir_pg", {"move": 0.04}),
     "raw, parallax and decay": ("door_ajar", "raw_pt_ruppert2020", {"move": 0.04}),
-    "incident radiance": ("door_ajar", "restir_pg", {"splat__incident": True, "splat__final_edges": "scattered"}),
-    "neither pool nor memory": ("cornell_box", "restir_pg", {"fit__pool": False, "fit__oldest": 2, "fit__reseed": False}),
+    "incident radiance": (
+        "door_ajar",
+        "restir_pg",
+        {"splat__incident": True, "splat__final_edges": "scattered"},
+    ),
+    "neither pool nor memory": (
+        "cornell_box",
+        "restir_pg",
+        {"fit__pool": False, "fit__oldest": 2, "fit__reseed": False},
+    ),
 }
 
 
@@ -143,7 +157,9 @@ def check_keys_and_counts(frame):
         assert set(table) == set(sums)
     assert set(certain) <= set(table)
     assert all(table[key][0]["count"] == sums[key].count for key in certain)
-    assert sum(int(records[0]["count"]) for records in table.values()) == sum(cell.count for cell in sums.values())
+    assert sum(int(records[0]["count"]) for records in table.values()) == sum(
+        cell.count for cell in sums.values()
+    )
     assert header["cells"] == len(table) and header["failed"] == 0
     assert oracle.slots_are_reachable(keys)
 
@@ -166,7 +182,7 @@ def check_strangest(frame):
     sums, certain = expected_sums(frame)
     for key in certain:
         strangest = int(frame.statistics[1][key][0]["strangest"])
-        assert strangest & 0xffffffff in sums[key].directions
+        assert strangest & 0xFFFFFFFF in sums[key].directions
         assert abs(128 - (strangest >> 32) / 256 - sums[key].worst) < 1 / 128
 
 
@@ -191,7 +207,9 @@ def check_cell(found, cell):
     if cell.memory is not None:
         memory = fit_oracle.memory_of(found[1])
         assert np.allclose(memory[:17], cell.memory[:17], rtol=1e-4, atol=1e-4 * max(cell.memory[16], 1))
-        assert np.allclose(memory[17:], cell.memory[17:], rtol=1e-4, atol=1e-4 * max(np.abs(cell.memory[17:]).max(), 1))
+        assert np.allclose(
+            memory[17:], cell.memory[17:], rtol=1e-4, atol=1e-4 * max(np.abs(cell.memory[17:]).max(), 1)
+        )
 
 
 def check_counts_of_the_guide(frame):
@@ -204,7 +222,14 @@ def check_counts_of_the_guide(frame):
     assert oracle.slots_are_reachable(keys)
 
 
-CHECKS = (check_grid, check_keys_and_counts, check_sums, check_strangest, check_fit, check_counts_of_the_guide)
+CHECKS = (
+    check_grid,
+    check_keys_and_counts,
+    check_sums,
+    check_strangest,
+    check_fit,
+    check_counts_of_the_guide,
+)
 
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
@@ -227,16 +252,22 @@ def wrong_kappa(monkeypatch):
         m = right(*arguments)
         m.kappa = 1.05 * m.kappa
         return m
+
     monkeypatch.setattr(fit_oracle, "m_step", m_step)
 
 
 def wrong_normalization(monkeypatch):
     right = oracle.Mixture.log_lobes
-    monkeypatch.setattr(oracle.Mixture, "log_lobes", lambda self, w: right(self, w) + 0.001 * np.sqrt(self.kappa))
+    monkeypatch.setattr(
+        oracle.Mixture, "log_lobes", lambda self, w: right(self, w) + 0.001 * np.sqrt(self.kappa)
+    )
 
 
-@pytest.mark.parametrize(("mutation", "check"), [(wrong_kappa, check_fit), (wrong_normalization, check_sums)],
-                         ids=["kappa 5% too large", "normalisation off by 0.1%"])
+@pytest.mark.parametrize(
+    ("mutation", "check"),
+    [(wrong_kappa, check_fit), (wrong_normalization, check_sums)],
+    ids=["kappa 5% too large", "normalisation off by 0.1%"],
+)
 def test_a_mistake_of_the_formulas_is_found(frames, monkeypatch, mutation, check):
     mutation(monkeypatch)
     with pytest.raises(AssertionError):
@@ -245,7 +276,9 @@ def test_a_mistake_of_the_formulas_is_found(frames, monkeypatch, mutation, check
 
 def test_keys_of_the_previous_camera_are_found(tmp_path_factory):
     knobs = {"splat__cell_size": CELL_SIZE}
-    first, last = record(load("door_ajar", tmp_path_factory), graph_of("restir_pg"), move=0.2, count=2, **knobs)
+    first, last = record(
+        load("door_ajar", tmp_path_factory), graph_of("restir_pg"), move=0.2, count=2, **knobs
+    )
     check_keys_and_counts(last)
     with pytest.raises(AssertionError):
         check_keys_and_counts(replace(last, statistics=(first.statistics[0], *last.statistics[1:])))

@@ -1,4 +1,5 @@
-"""GuidingView: a pixel has the colour of the cell that its first bounce falls into, and black where no cell guides."""
+"""GuidingView: a pixel has the colour of the cell that its first bounce falls into, and black where no cell
+guides."""
 
 import guiding_oracle as oracle
 import numpy as np
@@ -8,19 +9,30 @@ from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # 
 
 @pytest.fixture(scope="module")
 def views(scene):  # noqa: F811
-    """{what is shown: image}, each pixel's key (0: no bounce recorded) and the guide's cells, after four frames."""
+    """{what is shown: image}, each pixel's key (0: no bounce recorded) and the guide's cells, after four
+    frames."""
     graph = restirpg.load_graph(ROOT / "graphs" / "restir_pg.py").description
     for show in ("cell", "age", "weight"):
-        inputs = {"surface": {"pass": "gbuffer", "output": "surface"}, "guide": {"pass": "fit", "output": "guide"}}
-        graph["passes"].append({"name": show, "type": "GuidingView", "inputs": inputs, "knobs": {"show": show}})
+        inputs = {
+            "surface": {"pass": "gbuffer", "output": "surface"},
+            "guide": {"pass": "fit", "output": "guide"},
+        }
+        graph["passes"].append(
+            {"name": show, "type": "GuidingView", "inputs": inputs, "knobs": {"show": show}}
+        )
         graph["outputs"].append({"name": show, "pass": show, "output": "image"})
     graph["outputs"].append({"name": "vertices", "pass": "reuse", "output": "vertices"})
     renderer = make_renderer(scene, graph, seed=2)
     renderer.set("splat.cell_size", 0.15)
     renderer.render(4)
     header, cells, _ = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, oracle.MEMORY)
-    grid, first = oracle.grid_of(header), renderer.read_port("reuse.vertices").view(oracle.VERTEX).reshape(32, 32, -1)[..., 0].ravel()
-    keys, doubtful = grid.keys(grid.positions(first["position"]), first["surface"] >> 16 & 7, first["surface"] & 0xffff)
+    grid, first = (
+        oracle.grid_of(header),
+        renderer.read_port("reuse.vertices").view(oracle.VERTEX).reshape(32, 32, -1)[..., 0].ravel(),
+    )
+    keys, doubtful = grid.keys(
+        grid.positions(first["position"]), first["surface"] >> 16 & 7, first["surface"] & 0xFFFF
+    )
     keys[(first["surface"] & oracle.VALID == 0) | doubtful] = 0
     return {show: renderer.output(show).reshape(-1, 3) for show in ("cell", "age", "weight")}, keys, cells
 
@@ -35,7 +47,11 @@ def test_black_is_where_no_cell_guides(views):
 
 def test_a_cell_has_one_colour_and_cells_differ(views):
     images, keys, cells = views
-    colours = {int(key): images["cell"][keys == key] for key in np.unique(keys) if key and images["cell"][keys == key].any()}
+    colours = {
+        int(key): images["cell"][keys == key]
+        for key in np.unique(keys)
+        if key and images["cell"][keys == key].any()
+    }
     assert len(colours) > 30 and all((colour == colour[0]).all() for colour in colours.values())
     assert len({tuple(colour[0]) for colour in colours.values()}) == len(colours)
 
@@ -43,6 +59,11 @@ def test_a_cell_has_one_colour_and_cells_differ(views):
 def test_a_fresh_cell_is_blue(views):
     """Age 0 is the lower end of the scale."""
     images, keys, cells = views
-    fresh = [pixel for pixel in np.flatnonzero(keys) if int(keys[pixel]) in cells and images["cell"][pixel].any()
-             and cells[int(keys[pixel])][0]["age"] == 0]
+    fresh = [
+        pixel
+        for pixel in np.flatnonzero(keys)
+        if int(keys[pixel]) in cells
+        and images["cell"][pixel].any()
+        and cells[int(keys[pixel])][0]["age"] == 0
+    ]
     assert len(fresh) > 100 and (images["age"][fresh] == (0, 0, 1)).all()

@@ -1,8 +1,9 @@
-"""GuidingSplat and GuidingFit on vertices of a known distribution (tests/guide/KnownVertices): what they find, and how cells behave
-that are starved, crowded, or hold samples that are all alike.
+"""GuidingSplat and GuidingFit on vertices of a known distribution (tests/guide/KnownVertices): what they
+find, and how cells behave that are starved, crowded, or hold samples that are all alike.
 
-Statistical: recovery alone, from 16,384 samples a frame. Its bounds are four standard errors or more: a lobe of n samples has
-kappa to 1 / sqrt(n) (2.5% for the least of them), to which Banerjee's formula adds up to 5%, weights to 0.4%, directions to 0.4 degrees.
+Statistical: recovery alone, from 16,384 samples a frame. Its bounds are four standard errors or more: a lobe
+of n samples has kappa to 1 / sqrt(n) (2.5% for the least of them), to which Banerjee's formula adds up to 5%,
+weights to 0.4%, directions to 0.4 degrees.
 """
 
 import os
@@ -34,9 +35,21 @@ class Learner:
     def __init__(self, scene, size=64, cells=4096, **known):  # noqa: F811
         g = restirpg.Graph("Known vertices")
         vertices = g.add("known", "KnownVertices", **known)
-        statistics = g.add("splat", "GuidingSplat", vertices=vertices.vertices, guide=restirpg.prev("fit.guide"), cells=cells,
-                           cell_size=0.003)
-        guide = g.add("fit", "GuidingFit", statistics=statistics.statistics, history=restirpg.prev("fit.guide"), cells=cells)
+        statistics = g.add(
+            "splat",
+            "GuidingSplat",
+            vertices=vertices.vertices,
+            guide=restirpg.prev("fit.guide"),
+            cells=cells,
+            cell_size=0.003,
+        )
+        guide = g.add(
+            "fit",
+            "GuidingFit",
+            statistics=statistics.statistics,
+            history=restirpg.prev("fit.guide"),
+            cells=cells,
+        )
         g.output("guide", guide.guide)
         self.renderer = make_renderer(scene, g, size=(size, size), seed=3)
 
@@ -69,7 +82,8 @@ def test_a_known_mixture_is_recovered(scene):  # noqa: F811
 
 
 def test_the_oracle_itself_climbs(scene):  # noqa: F811
-    """EM never makes a batch less likely, but for the priors and Banerjee's kappa: each step may lose 10^-3 a sample at most."""
+    """EM never makes a batch less likely, but for the priors and Banerjee's kappa: each step may lose 10^-3 a
+    sample at most."""
     random = np.random.default_rng(1)
     lobe = random.choice(4, 4000, p=WEIGHT)
     w = MU[lobe] + random.normal(size=(4000, 3)) / np.sqrt(KAPPA[lobe])[:, None]
@@ -77,8 +91,12 @@ def test_the_oracle_itself_climbs(scene):  # noqa: F811
     m, scores = oracle.new_mixture(np.array([0.0, 1, 0])), []
     for _ in range(30):
         scores.append(m.log_density(w).mean())
-        m = fit_oracle.m_step(m.shares(w).T @ np.c_[w, np.ones(len(w))], len(w), m,
-                              {"weight_prior": 0.1, "concentration_prior": 1.0, "largest_kappa": 32000.0})
+        m = fit_oracle.m_step(
+            m.shares(w).T @ np.c_[w, np.ones(len(w))],
+            len(w),
+            m,
+            {"weight_prior": 0.1, "concentration_prior": 1.0, "largest_kappa": 32000.0},
+        )
     assert min(np.diff(scores)) > -1e-3 and scores[-1] > scores[0] + 0.5
 
 
@@ -123,7 +141,9 @@ def test_a_cell_of_one_sample_has_a_legal_mixture(scene):  # noqa: F811
     assert header["fitted"] == header["cells"] == 4096
     mixtures = [oracle.mixture_of(cell) for cell in cells]
     assert all(np.isfinite(m.kappa).all() and np.isclose(m.weight.sum(), 1, atol=1e-5) for m in mixtures)
-    assert max(m.kappa.max() for m in mixtures) <= 10.01  # a re-seeded lobe's; a fitted one's mean cosine is below 1/2
+    assert (
+        max(m.kappa.max() for m in mixtures) <= 10.01
+    )  # a re-seeded lobe's; a fitted one's mean cosine is below 1/2
 
 
 def test_identical_samples_meet_the_largest_kappa(scene):  # noqa: F811
@@ -139,8 +159,9 @@ def test_identical_samples_meet_the_largest_kappa(scene):  # noqa: F811
 
 
 def test_keys_that_collide_keep_cells_of_their_own(scene):  # noqa: F811
-    """Half of 1024 slots taken, by cells in a lattice: no sample is lost or lands in another's cell, and a probe meets about as many
-    slots of others as with random hashing (half a slot on the way to a key, by Knuth's formula for linear probing)."""
+    """Half of 1024 slots taken, by cells in a lattice: no sample is lost or lands in another's cell, and a
+    probe meets about as many slots of others as with random hashing (half a slot on the way to a key, by
+    Knuth's formula for linear probing)."""
     learner = Learner(scene, places=512, cells=1024)
     header, cells = learner.render(1)
     counts = [int(records[0]["count"]) for records in learner.statistics[1].values()]

@@ -1,7 +1,9 @@
-"""The bounces that guides are trained on, against rays cast by brute force through the Cornell box (ALGORITHMS O15): the vertices of
-a pixel are those of one path, the one its reservoir holds, as it stands in this pixel. Nothing here is statistical.
+"""The bounces that guides are trained on, against rays cast by brute force through the Cornell box
+(ALGORITHMS O15): the vertices of a pixel are those of one path, the one its reservoir holds, as it stands in
+this pixel. Nothing here is statistical.
 
-Stored positions are rounded to 2 x 10^-6 radii of the scene, directions to 3 x 10^-5: bounds are ten times that.
+Stored positions are rounded to 2 x 10^-6 radii of the scene, directions to 3 x 10^-5: bounds are ten times
+that.
 """
 
 import guiding_oracle as oracle
@@ -23,10 +25,13 @@ def box(scene_file):  # noqa: F811
 
 @pytest.fixture(scope="module")
 def frames(scene):  # noqa: F811
-    """[(camera, {port: vertices (pixels, bounces), positions (pixels, bounces, 3)}, reservoirs)] of a camera that moves."""
+    """[(camera, {port: vertices (pixels, bounces), positions (pixels, bounces, 3)}, reservoirs)] of a camera
+    that moves."""
     graph = restirpg.load_graph(ROOT / "graphs" / "restir_pg.py").description
-    graph["outputs"] += [{"name": f"{p}_{o}", "pass": p, "output": o}
-                         for p, o in (("paths", "vertices"), ("reuse", "vertices"), ("reuse", "reservoirs"))]
+    graph["outputs"] += [
+        {"name": f"{p}_{o}", "pass": p, "output": o}
+        for p, o in (("paths", "vertices"), ("reuse", "vertices"), ("reuse", "reservoirs"))
+    ]
     renderer = make_renderer(scene, graph, seed=11)
     result = []
     for frame in range(FRAMES):
@@ -35,7 +40,9 @@ def frames(scene):  # noqa: F811
         header = oracle.read_table(renderer.read_port("splat.statistics"), oracle.SUMS)[0]
         grid = oracle.grid_of(header)
         vertices = {port: renderer.read_port(port).view(oracle.VERTEX).reshape(32 * 32, -1) for port in PORTS}
-        positions = {port: grid.positions(v["position"].ravel()).reshape(*v.shape, 3) for port, v in vertices.items()}
+        positions = {
+            port: grid.positions(v["position"].ravel()).reshape(*v.shape, 3) for port, v in vertices.items()
+        }
         reservoirs = renderer.read_port("reuse.reservoirs").view(np.uint32).reshape(32 * 32, 23)
         result.append((renderer.camera, grid, vertices, positions, reservoirs))
     return result
@@ -58,8 +65,10 @@ def test_vertices_lie_on_surfaces_of_their_material_and_face(frames, box, port):
         points, surface = positions[port][here], vertices[port]["surface"][here]
         distance, triangle = box.distances(points)
         assert distance.max() < 2e-5 * box.radius
-        alone = box.distances(points + 1e-3)[1] == box.distances(points - 1e-3)[1]  # not at an edge of two surfaces
-        same = box.material[triangle] == (surface & 0xffff)
+        alone = (
+            box.distances(points + 1e-3)[1] == box.distances(points - 1e-3)[1]
+        )  # not at an edge of two surfaces
+        same = box.material[triangle] == (surface & 0xFFFF)
         assert same[alone].all()
         axis = surface >> 17 & 3
         assert np.array_equal(np.abs(box.normals[triangle]).argmax(-1)[alone], axis[alone])
@@ -71,7 +80,9 @@ def test_the_first_vertex_is_what_the_pixel_sees(frames, box, port):
     for camera, _, vertices, positions, _ in frames:
         here = valid(vertices[port])[:, 0]
         extent = np.tan(camera["yfov"] / 2)
-        rays = np.stack([(2 * (x + 0.5) / 32 - 1) * extent, (1 - 2 * (y + 0.5) / 32) * extent, np.full(32 * 32, -1.0)], -1)
+        rays = np.stack(
+            [(2 * (x + 0.5) / 32 - 1) * extent, (1 - 2 * (y + 0.5) / 32) * extent, np.full(32 * 32, -1.0)], -1
+        )
         rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
         origin = np.broadcast_to(camera["position"], rays.shape)
         distance, triangle = box.cast(origin, rays)
@@ -82,7 +93,8 @@ def test_the_first_vertex_is_what_the_pixel_sees(frames, box, port):
 
 @pytest.mark.parametrize("port", PORTS)
 def test_every_direction_points_at_the_next_vertex(frames, port):
-    """The bounce before the reconnection vertex is aimed anew in each pixel: a copy of the source pixel's direction would miss."""
+    """The bounce before the reconnection vertex is aimed anew in each pixel: a copy of the source pixel's
+    direction would miss."""
     tested = 0
     for _, _, vertices, positions, _ in frames:
         both = valid(vertices[port])[:, :-1] & valid(vertices[port])[:, 1:]
@@ -102,20 +114,24 @@ def test_paths_end_on_the_light_and_nowhere_before(frames, box, port):
         surface, here = vertices[port]["surface"], valid(vertices[port])
         final = surface & oracle.FINAL != 0
         count = here.sum(-1)
-        assert np.array_equal(here, np.arange(here.shape[1]) < count[:, None])  # no sharp bounce in this scene
+        assert np.array_equal(
+            here, np.arange(here.shape[1]) < count[:, None]
+        )  # no sharp bounce in this scene
         assert np.array_equal(final.argmax(-1)[count > 0], count[count > 0] - 1)
         assert np.array_equal(final.sum(-1), count > 0)
         assert not (surface[~final] & oracle.LIGHT_SAMPLED).any()
         w = oracle.unpack_direction(vertices[port]["direction"][final])
         _, triangle = box.cast(positions[port][final] + 1e-4 * w, w)
-        assert box.emissive[triangle].mean() > 0.995  # rays that graze the lamp's rim miss it by the rounding of directions
+        assert (
+            box.emissive[triangle].mean() > 0.995
+        )  # rays that graze the lamp's rim miss it by the rounding of directions
 
 
 def test_the_vertices_are_those_of_the_reservoirs_path(frames):
     """As many as the path has bounces; none where the reservoir carries no light."""
     for _, _, vertices, _, reservoirs in frames:
         lit = reservoirs[:, 3].view(np.float32) > 0
-        bounces = np.where(lit, (reservoirs[:, 5] & 0xff).astype(int) - 1, 0)
+        bounces = np.where(lit, (reservoirs[:, 5] & 0xFF).astype(int) - 1, 0)
         assert lit.sum() > 300
         assert np.array_equal(valid(vertices["reuse.vertices"]).sum(-1), bounces)
 

@@ -1,4 +1,5 @@
-"""The triangles of a small glTF binary in world space, and rays cast at all of them: an oracle for where paths may have been.
+"""The triangles of a small glTF binary in world space, and rays cast at all of them: an oracle for where
+paths may have been.
 
 For files of scripts/make_scenes.py without rotation or animation; brute force, so for some hundred triangles.
 """
@@ -13,6 +14,7 @@ import numpy as np
 @dataclass
 class Triangles:
     """`corners` (n, 3, 3), m; `emissive` (n,); `material` (n,): index in the file."""
+
     corners: np.ndarray
     emissive: np.ndarray
     material: np.ndarray
@@ -38,13 +40,18 @@ class Triangles:
         best, which = np.full(len(points), np.inf), np.zeros(len(points), int)
         for t, (corner, normal) in enumerate(zip(self.corners, self.normals)):
             offset = (points - corner[0]) @ normal
-            sides = [np.cross(corner[(i + 1) % 3] - corner[i], points - offset[:, None] * normal - corner[i]) @ normal for i in range(3)]
+            sides = [
+                np.cross(corner[(i + 1) % 3] - corner[i], points - offset[:, None] * normal - corner[i])
+                @ normal
+                for i in range(3)
+            ]
             away = np.where(np.min(sides, 0) > -1e-4, np.abs(offset), np.inf)
             which, best = np.where(away < best, t, which), np.minimum(away, best)
         return best, which
 
     def cast(self, origins, directions):
-        """Distance along rays (m, 3) to the nearest triangle, and that triangle (-1: none), (m,).  [Moeller & Trumbore 1997]"""
+        """Distance along rays (m, 3) to the nearest triangle, and that triangle (-1: none), (m,).  [Moeller &
+        Trumbore 1997]"""
         best, which = np.full(len(origins), np.inf), np.full(len(origins), -1)
         for t, (a, b, c) in enumerate(self.corners):
             p = np.cross(directions, c - a)
@@ -62,7 +69,7 @@ def load_triangles(file):
     """The Triangles of a .glb."""
     data = file.read_bytes()
     size = struct.unpack_from("<I", data, 12)[0]
-    gltf, binary = json.loads(data[20:20 + size]), data[28 + size:]
+    gltf, binary = json.loads(data[20 : 20 + size]), data[28 + size :]
 
     def array(index):
         accessor = gltf["accessors"][index]
@@ -78,7 +85,9 @@ def load_triangles(file):
             continue
         assert "rotation" not in node and "matrix" not in node and "scale" not in node
         for primitive in gltf["meshes"][node["mesh"]]["primitives"]:
-            points = array(primitive["attributes"]["POSITION"]).astype(float) + node.get("translation", (0, 0, 0))
+            points = array(primitive["attributes"]["POSITION"]).astype(float) + node.get(
+                "translation", (0, 0, 0)
+            )
             mine = points[array(primitive["indices"]).reshape(-1, 3)]
             corners.append(mine)
             emission = gltf["materials"][primitive["material"]].get("emissiveFactor", (0, 0, 0))
