@@ -26,7 +26,7 @@ public:
         io.knob("largest_kappa", largestKappa_, 1, 32000, "most concentrated lobe");
         io.knob("reseed", reseed_, "move a lobe that explains nothing to the sample that is explained worst");
         io.knob("cosine", cosine_, "multiply the lobes by the cosine at lookup: for lobes fitted to the incident radiance alone");
-        io.knob("parallax", parallax_, "aim the lobes at the distance that their samples looked to; needs that knob of GuidingSplat");
+        io.knob("parallax", parallax_, "aim the lobes at the distance that their samples looked to; needs that knob of GuidingSplat, and decay");
         io.structural();
     }
 
@@ -38,6 +38,9 @@ public:
 
     void record(Frame& frame) override
     {
+        // A cell's memory holds what is left of its sums after a fit: nothing without decay.
+        if (parallax_ && decay_ == 0)
+            fail("GuidingFit: 'parallax' reads the distances that 'decay' keeps; set decay above 0, or parallax off");
         const uint64_t slot = GUIDING_KEY_BYTES + GUIDING_SUMS_BYTES + (parallax_ ? GUIDING_PLACE_SUMS_BYTES : 0);
         if (statistics_->bytes() != GUIDING_HEADER_BYTES + slot * capacity())
             fail("GuidingFit: the knobs 'cells' ({}) and 'parallax' are not those of GuidingSplat; give both the same", cells_);
