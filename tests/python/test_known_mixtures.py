@@ -183,6 +183,7 @@ def test_rendering_goes_on_with_a_full_table(scene):  # noqa: F811
     renderer = make_renderer(scene, restirpg.load_graph(ROOT / "graphs" / "restir_pg.py"), seed=1)
     renderer.set("splat.cells", 1024)
     renderer.set("fit.cells", 1024)
+    renderer.set("splat.cell_size", 0.01)  # more cells than slots
     renderer.render(3)
     header = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, oracle.MEMORY)[0]
     assert header["failed"] > 0 and np.isfinite(renderer.output("image")).all()
