@@ -21,6 +21,14 @@ SIZE = (32, 32)
 GRAPH = ROOT / "graphs" / "path_tracer.py"
 
 
+@pytest.fixture(scope="module")
+def own_plugins():
+    """The folder of the tests' own plugins, beside the Python package of the build tree, on the plugin path."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RESTIRPG_PLUGIN_PATH", str(Path(restirpg.__file__).parents[2] / "tests" / "passes"))
+        yield
+
+
 @pytest.fixture(scope="session")
 def scene_file(tmp_path_factory):
     """A generated Cornell box (.glb)."""

@@ -32,7 +32,7 @@ def report(tmp_path_factory):
 def shared_browser():
     """One browser for all tests of this file."""
     if not shutil.which("chromedriver"):
-        pytest.skip("chromedriver is not installed")
+        pytest.skip("chromedriver is not installed: no browser has opened the report")
     with Browser() as opened:
         yield opened
 

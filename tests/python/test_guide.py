@@ -4,23 +4,14 @@ Null hypothesis: guided and unguided image means are equal. z of the means of RU
 rate of 6e-5 a test. A guide whose density is wrong by 10% must be found by the same test.
 """
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
-from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
+from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file, own_plugins  # noqa: F401
 
 RUNS = 8
 FRAMES = 48
 
-
-@pytest.fixture(autouse=True, scope="module")
-def plugin_path():
-    build = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build"))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("RESTIRPG_PLUGIN_PATH", str(build / "tests" / "passes"))
-        yield
+pytestmark = pytest.mark.usefixtures("own_plugins")
 
 
 def path_tracer(port=None, **knobs):

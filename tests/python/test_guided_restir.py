@@ -7,13 +7,10 @@ first FRAMES frames of each of RUNS independent runs is one sample, for frames o
 makes the picture 2.5% too bright, must be found.
 """
 
-import os
-from pathlib import Path
-
 import guiding_oracle as oracle
 import numpy as np
 import pytest
-from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
+from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file, own_plugins  # noqa: F401
 from test_restir_pt import BOUNCES, LUMINANCE, path_tracer, z_of
 
 SIZE = (24, 24)
@@ -23,13 +20,7 @@ CELLS = 4096
 #: Of the history's confidence: a short memory, so that frames of a run differ.
 CAP = 4
 
-
-@pytest.fixture(autouse=True, scope="module")
-def plugin_path():
-    build = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build"))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("RESTIRPG_PLUGIN_PATH", str(build / "tests" / "passes"))
-        yield
+pytestmark = pytest.mark.usefixtures("own_plugins")
 
 
 def guided(port="guide", mode="live"):

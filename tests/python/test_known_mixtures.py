@@ -6,27 +6,18 @@ of n samples has kappa to 1 / sqrt(n) (2.5% for the least of them), to which Ban
 weights to 0.4%, directions to 0.4 degrees.
 """
 
-import os
-from pathlib import Path
-
 import guiding_fit_oracle as fit_oracle
 import guiding_oracle as oracle
 import numpy as np
 import pytest
-from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
+from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file, own_plugins  # noqa: F401
 
 #: As in KnownVertices.comp.
 MU = np.array([[0.6, 0.8, 0], [-0.8, 0.6, 0], [0, 0.6, 0.8], [0, 0.28, -0.96]])
 KAPPA = np.array([6.0, 20, 80, 300])
 WEIGHT = np.array([0.4, 0.3, 0.2, 0.1])
 
-
-@pytest.fixture(autouse=True, scope="module")
-def plugin_path():
-    build = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build"))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("RESTIRPG_PLUGIN_PATH", str(build / "tests" / "passes"))
-        yield
+pytestmark = pytest.mark.usefixtures("own_plugins")
 
 
 class Learner:

@@ -91,10 +91,9 @@ def off(ratios):
     return np.mean(np.abs(ratios - 1) > 0.01)
 
 
+@pytest.mark.parametrize("measured", ["light samples", "scattering"], indirect=True)  # reuse keeps what it likes
 def test_every_class_of_paths_occurs(measured):
     source, results = measured
-    if source == "reused":
-        pytest.skip("reuse keeps what it likes: the classes are those of candidates")
     kinds = results["stay"][results["stay"][:, 3] > TRIP_NO_PATH][:, 0].astype(int)
     returned = np.concatenate([trips(results, way)[0] for way in WAYS[1:]])
     absent = {"light samples": "delta", "scattering": "punctual"}[source]

@@ -215,7 +215,7 @@ def test_look_at_turns_minus_z_to_the_target_and_keeps_up_upright(target):
 
 
 def test_png_reads_back(tmp_path):
-    image = pytest.importorskip("PIL.Image")
+    image = pytest.importorskip("PIL.Image", reason="Pillow is not installed: nothing else here reads PNG")
     pixels = np.random.default_rng(1).integers(0, 256, (7, 13, 4), np.uint8)
     (tmp_path / "a.png").write_bytes(encode_png(pixels))
     assert (np.array(image.open(tmp_path / "a.png")) == pixels).all()
