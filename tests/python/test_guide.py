@@ -6,7 +6,7 @@ rate of 6e-5 a test. A guide whose density is wrong by 10% must be found by the 
 
 import numpy as np
 import pytest
-from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file, own_plugins  # noqa: F401
+from renderer_scenes import make_renderer, own_plugins, restirpg, scene, scene_file  # noqa: F401
 
 RUNS = 8
 FRAMES = 48

@@ -10,7 +10,7 @@ makes the picture 2.5% too bright, must be found.
 import guiding_oracle as oracle
 import numpy as np
 import pytest
-from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file, own_plugins  # noqa: F401
+from renderer_scenes import ROOT, make_renderer, own_plugins, restirpg, scene, scene_file  # noqa: F401
 from test_restir_pt import BOUNCES, LUMINANCE, path_tracer, z_of
 
 SIZE = (24, 24)

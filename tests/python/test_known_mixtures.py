@@ -10,7 +10,7 @@ import guiding_fit_oracle as fit_oracle
 import guiding_oracle as oracle
 import numpy as np
 import pytest
-from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file, own_plugins  # noqa: F401
+from renderer_scenes import ROOT, make_renderer, own_plugins, restirpg, scene, scene_file  # noqa: F401
 
 #: As in KnownVertices.comp.
 MU = np.array([[0.6, 0.8, 0], [-0.8, 0.6, 0], [0, 0.6, 0.8], [0, 0.28, -0.96]])
