@@ -2,9 +2,11 @@
 jobs."""
 
 import hashlib
+import inspect
 import json
 import os
 import zipfile
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
@@ -102,6 +104,33 @@ class Job:
     def with_seed(self, *parts):
         """The same job with the seed that belongs to `parts`."""
         return replace(self, seed=seed_of(*parts))
+
+
+@dataclass(frozen=True)
+class Call:
+    """A measurement that is no run of a method: function(scene, **settings) in a worker.
+
+    Its result, arrays and a JSON-able `meta`, is kept as a run's is.
+    """
+
+    function: Callable  # of a module, so that any worker can import it
+    scene: str  # file
+    scene_hash: str
+    settings: tuple  # ((name, value), ...): whatever else the result depends on
+    code: str  # hash of the renderer's own files
+    label: str = field(default="", compare=False)  # for messages
+
+    @property
+    def key(self):
+        """32 hexadecimal digits of the call's content, the function's own file included."""
+        function = f"{self.function.__module__}.{self.function.__qualname__}"
+        source = digest(Path(inspect.getsourcefile(self.function)).read_bytes())
+        content = [function, source, self.scene_hash, self.settings, self.code]
+        return digest(json.dumps(content).encode())
+
+    def run(self):
+        """The function's result."""
+        return self.function(self.scene, **dict(self.settings))
 
 
 def seed_of(*parts):

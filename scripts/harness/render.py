@@ -142,7 +142,8 @@ def run(job, reference=None, tick=lambda frames: None):
     """Render the job; `reference` is a result with `mean` and `variance`, when errors are to be measured.
 
     Returns arrays, one entry for each of job.frames_measured(): `frames`, `mape`, `relmse`, `rmse`, `bias`,
-    `invalid`, `gpu_ms` and `wall_ms` (both summed since the start); `image` and `frame` (float32, H x W x 3:
+    `invalid`, `frame_mape` (of that frame alone, NaN where it is not known), `gpu_ms` and `wall_ms` (both
+    summed since the start); `image` and `frame` (float32, H x W x 3:
     the output after the last frame, and what the last frame alone added to it); `temporal`, see TemporalSums;
     and `meta`.
     """
@@ -168,17 +169,21 @@ def run(job, reference=None, tick=lambda frames: None):
             frame = image
         if reference:
             errors = restirpg.measure_errors(image, reference["mean"])
+            alone = float("nan")
+            if frame is not None:
+                alone = restirpg.measure_errors(frame, reference["mean"])["mape"]
             rows.append(
                 [errors[name] for name in ("mape", "relmse", "rmse", "bias", "invalid")]
-                + [sum(renderer.total_gpu_times().values()), wall]
+                + [alone, sum(renderer.total_gpu_times().values()), wall]
             )
             temporal.add(frame, consecutive=frames == done + 1)
         previous, done = image, frames
     passes, memory = renderer.total_gpu_times(), renderer.memory()
-    columns = np.array(rows, float).reshape(-1, 7).T
+    columns = np.array(rows, float).reshape(-1, 8).T
+    names = ("mape", "relmse", "rmse", "bias", "invalid", "frame_mape", "gpu_ms", "wall_ms")
     return {
         "frames": np.array(job.frames_measured()),
-        **dict(zip(("mape", "relmse", "rmse", "bias", "invalid", "gpu_ms", "wall_ms"), columns)),
+        **dict(zip(names, columns)),
         "image": image,
         "frame": image if frame is None else frame,
         "temporal": temporal.sums,

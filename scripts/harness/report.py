@@ -114,19 +114,23 @@ def commit():
     )
 
 
-def _provenance(settings, comparison):
-    devices = sorted(
-        {
-            ", ".join(str(device[key]) for key in ("name", "driver", "backend"))
-            for device in comparison.device.values()
-        }
+def provenance(program, code, devices):
+    """[(name, value)] of what every report tells: how, when and from what it was made. `devices`: as probed."""
+    names = sorted(
+        {", ".join(str(device[key]) for key in ("name", "driver", "backend")) for device in devices}
     )
-    rows = [
-        ("command", shlex.join(["scripts/compare.py", *sys.argv[1:]])),
+    return [
+        ("command", shlex.join([program, *sys.argv[1:]])),
         ("written", datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC")),
         ("commit", commit()),
-        ("code hash", comparison.code),
-        ("device", "; ".join(devices)),
+        ("code hash", code),
+        ("device", "; ".join(names)),
+    ]
+
+
+def _provenance(settings, comparison):
+    rows = provenance("scripts/compare.py", comparison.code, comparison.device.values())
+    rows += [
         (
             "size, frames, seeds",
             f"{settings.size[0]}x{settings.size[1]}, {settings.frames}, {settings.seeds}",
@@ -146,8 +150,8 @@ def _provenance(settings, comparison):
     ]
 
 
-def write(findings, settings, comparison, file):
-    """Write the report of `findings` to `file`, whole or not at all."""
+def template(name):
+    """A template of this folder; a name that it does not know is an error."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(FOLDER),
         autoescape=True,
@@ -155,6 +159,11 @@ def write(findings, settings, comparison, file):
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
+    return environment.get_template(name)
+
+
+def scene_views(findings):
+    """What scene.html.j2 shows: (one dictionary a scene, what all scenes of the page share)."""
     kinds = _kinds_within_budget(findings)
     scenes = [
         {
@@ -171,22 +180,35 @@ def write(findings, settings, comparison, file):
         for scene in findings
     ]
     maps = {"error": plots.colour_map("inferno"), "signed": plots.colour_map("RdBu_r")}
-    text = environment.get_template("report.html.j2").render(
+    return scenes, {
+        "style": (FOLDER / "report.css").read_text(),
+        "script": (FOLDER / "viewer.js").read_text(),
+        "maps": json.dumps(maps),
+        "kinds": {kind: KINDS[kind] for kind in kinds},
+        "left_out": [KINDS[kind] for kind in KINDS if kind not in kinds],
+        "significant": tables.is_significant,
+        "level": 100 * st.LEVEL,
+    }
+
+
+def write_text(file, text):
+    """Write a file whole or not at all."""
+    temporary = Path(file).with_name(f".{Path(file).name}.{os.getpid()}")
+    temporary.write_text(text)
+    os.replace(temporary, file)
+
+
+def write(findings, settings, comparison, file):
+    """Write the report of `findings` to `file`."""
+    scenes, shared = scene_views(findings)
+    text = template("report.html.j2").render(
         title=", ".join(method.label for method in settings.methods),
         scenes=scenes,
         failures=comparison.failures,
         provenance=_provenance(settings, comparison),
-        style=(FOLDER / "report.css").read_text(),
-        script=(FOLDER / "viewer.js").read_text(),
-        maps=json.dumps(maps),
-        kinds={kind: KINDS[kind] for kind in kinds},
-        left_out=[KINDS[kind] for kind in KINDS if kind not in kinds],
-        significant=tables.is_significant,
-        level=100 * st.LEVEL,
+        **shared,
     )
-    temporary = Path(file).with_name(f".{Path(file).name}.{os.getpid()}")
-    temporary.write_text(text)
-    os.replace(temporary, file)
+    write_text(file, text)
 
 
 def write_pictures(findings, folder):

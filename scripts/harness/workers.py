@@ -33,6 +33,10 @@ def _serve(connection, folder, log):
                 if kind == "probe":
                     connection.send(("done", render.probe(job)))
                     continue
+                if kind == "call":
+                    cache.store(job.key, job.run())
+                    connection.send(("done", None))
+                    continue
                 reference = cache.load(job.reference) if job.reference else None
                 result = render.run(job, reference, lambda frames: connection.send(("tick", frames)))
                 result["meta"]["job"] = {
@@ -107,7 +111,8 @@ class Pool:
 
     def run(self, jobs, kind="run", on_tick=lambda job, frames: None):
         """Run the jobs in order; yields (job, failure, answer) as they end: failure is a line of text or
-        None."""
+        None. `kind`: "run" or "probe" of Jobs, "call" of Calls; results of runs and calls are in the cache.
+        """
         waiting, busy = list(jobs), {}
         try:
             while waiting or busy:
