@@ -1,0 +1,83 @@
+"""Why shifts copy guided directions and do not replay the random numbers that drew them (ALGORITHMS 5.4, 5.5).
+
+ReplayReuse carries one bounce that never reconnects from frame to frame, as a direction (variant U, what
+ReSTIRReuse does) or as random numbers (variant P, what Lin et al. 2022 do without a guide), and a guide of
+few samples a cell learns from what it has carried. Variant P's contribution weights then depend on the guide
+that reads the numbers, because it was fitted to those very numbers; with a guide that has stopped learning they
+do not.
+
+Null hypothesis: direct light of the Cornell box has the mean of the same pass unguided and without history. The
+mean over the last frames of each of RUNS independent runs is one sample; |z| < 4 has a false-alarm rate of 6 x
+10^-5 a test for normal noise.
+"""
+
+import guiding_oracle as oracle
+import pytest
+from renderer_scenes import own_plugins, scene, scene_file  # noqa: F401
+from test_guided_restir import run_means
+from test_restir_pt import z_of
+
+FRAMES = 24
+RUNS = 48
+CELLS = 4096
+
+pytestmark = pytest.mark.usefixtures("own_plugins")
+
+
+def wire(port, delayed=False):
+    """A reference to PASS.OUTPUT as graph descriptions have it."""
+    name, output = port.split(".")
+    return {"pass": name, "output": output, "delayed": delayed}
+
+
+def entry(name, kind, knobs=None, **inputs):
+    """A pass of a description."""
+    return {"name": name, "type": kind, "inputs": inputs, "knobs": knobs or {}}
+
+
+def one_bounce(mode=None, replay=False, cap=8):
+    """The description: guided by HeldGuide in that mode, or unguided and without history."""
+    history = {"history": wire("bounce.reservoirs", True), "guide": wire("held.guide")} if mode else {}
+    passes = [
+        entry("gbuffer", "GBuffer", {"jitter": False}),
+        entry("bounce", "ReplayReuse", {"replay": replay, "cap": cap}, surface=wire("gbuffer.surface"), **history),
+        entry("accumulate", "Accumulate", indirect=wire("bounce.radiance"), history=wire("accumulate.sums", True)),
+    ]
+    outputs = [{"name": "image", "pass": "accumulate", "output": "mean"}]
+    if mode:
+        passes += [
+            entry("splat", "GuidingSplat", {"cells": CELLS, "cell_size": 0.15}, guide=wire("fit.guide", True),
+                  vertices=wire("bounce.vertices")),
+            entry("fit", "GuidingFit", {"cells": CELLS}, statistics=wire("splat.statistics"),
+                  history=wire("fit.guide", True)),
+            entry("held", "HeldGuide", {"cells": CELLS, "mode": mode}, guide=wire("fit.guide", True),
+                  history=wire("held.guide", True)),
+        ]
+        outputs.append({"name": "guide", "pass": "fit", "output": "guide"})
+    return {"name": "one bounce", "passes": passes, "outputs": outputs}
+
+
+@pytest.fixture(scope="module")
+def reference(scene):  # noqa: F811
+    return run_means(scene, one_bounce(), 400, 100, 16)[0]
+
+
+def guided_z(scene, reference, first_seed, **how):  # noqa: F811
+    """z of the guided runs' mean; most cells guide, and none has many samples."""
+    means, renderer = run_means(scene, one_bounce(**how), FRAMES, first_seed, RUNS)
+    header = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, oracle.MEMORY)[0]
+    samples = header["samples"] / header["cells"]
+    print(f"{how}: {header['cells']} cells, {header['guiding']} guide, {samples:.1f} samples a cell and frame; "
+          f"{means.mean() / reference.mean():.4f} of the reference")
+    assert header["guiding"] > 0.5 * header["cells"]
+    assert samples < 32
+    return z_of(means, reference)
+
+
+@pytest.mark.parametrize(("mode", "replay"), [("live", False), ("frozen", False), ("frozen", True)])
+def test_copied_directions_and_a_guide_that_learns_nothing_keep_the_mean(scene, reference, mode, replay):  # noqa: F811
+    assert abs(guided_z(scene, reference, 9000, mode=mode, replay=replay)) < 4
+
+
+def test_replaying_numbers_through_a_guide_that_learnt_from_them_is_biased(scene, reference):  # noqa: F811
+    assert abs(guided_z(scene, reference, 9000, mode="live", replay=True)) > 6
