@@ -46,7 +46,7 @@ def one_bounce(mode=None, replay=False, cap=8):
     outputs = [{"name": "image", "pass": "accumulate", "output": "mean"}]
     if mode:
         passes += [
-            entry("splat", "GuidingSplat", {"cells": CELLS, "cell_size": 0.15}, guide=wire("fit.guide", True),
+            entry("splat", "GuidingSplat", {"cells": CELLS, "cell_size": 0.6}, guide=wire("fit.guide", True),
                   vertices=wire("bounce.vertices")),
             entry("fit", "GuidingFit", {"cells": CELLS}, statistics=wire("splat.statistics"),
                   history=wire("fit.guide", True)),
