@@ -22,10 +22,11 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 from report import as_json, as_markdown, findings_of  # noqa: E402
-from runs import Case, MethodRuns, Motion, ReferenceBatches  # noqa: E402
+from runs import Case, MethodRuns, ReferenceBatches  # noqa: E402
 
 from harness import UserError, render  # noqa: E402
 from harness.jobs import parse_method  # noqa: E402
+from harness.motion import Motion  # noqa: E402
 from harness.unbiased import compare  # noqa: E402
 from scenes import SCENES  # noqa: E402
 

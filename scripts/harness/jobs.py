@@ -13,9 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from harness import UserError
+from harness.motion import Motion
 
 EVERY_FRAME_UP_TO = 256  # longer runs are measured at a geometric sequence of frames ...
 LAST_FRAMES = 32  # ... and at this many last ones, one after the other, for the temporal statistics
+MOTION_FIELDS = ("motion", "still", "at", "references")  # of a Job
 
 
 @dataclass(frozen=True)
@@ -82,24 +84,39 @@ class Job:
     camera: int = 0
     reference: str | None = None  # key of the reference the errors are measured against; None: measure none
     gain: float = 1.0  # the picture is scaled by it: the self-test's known error of energy
+    motion: Motion | None = None
+    still: int = 0  # the frame of `motion` whose view and time all frames have; 0: each has its own
+    at: tuple = ()  # ascending frames whose own picture is measured, not the mean of all; (): the output is
+    references: tuple = ()  # key of the reference of each frame of `at`
     label: str = field(default="", compare=False)  # for messages
 
     @property
     def key(self):
-        """32 hexadecimal digits of the job's content; file names and labels are not part of it."""
+        """32 hexadecimal digits of the job's content; file names and labels are not part of it.
+
+        Nor is motion where there is none: results from before it could be asked for stay valid.
+        """
         content = {
-            name: value for name, value in asdict(self).items() if name not in ("scene", "graph", "label")
+            name: value
+            for name, value in asdict(self).items()
+            if name not in ("scene", "graph", "label") and (name not in MOTION_FIELDS or value)
         }
         return digest(json.dumps(content, sort_keys=True).encode())
 
     def frames_measured(self):
-        """The frame counts (1-based, ascending) after which the picture is read back."""
+        """The frame counts (1-based, ascending) after which the picture is measured."""
+        if self.at:
+            return list(self.at)
         if self.reference is None:
             return [self.frames]
         if self.frames <= EVERY_FRAME_UP_TO:
             return list(range(1, self.frames + 1))
         spread = np.unique(np.geomspace(1, self.frames, 64).astype(int)).tolist()
         return sorted({*spread, *range(self.frames - LAST_FRAMES + 1, self.frames + 1)})
+
+    def reference_of(self, frame):
+        """The key of the reference that the measured frame has, or None."""
+        return self.references[self.at.index(frame)] if self.at else self.reference
 
     def with_seed(self, *parts):
         """The same job with the seed that belongs to `parts`."""

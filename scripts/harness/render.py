@@ -5,7 +5,7 @@ import json
 import os
 import subprocess
 import sys
-import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -100,7 +100,8 @@ def is_running_mean(description, output):
 
 
 @functools.lru_cache(maxsize=1)
-def _scene(file, camera, environment):
+def _scene(file, scene_hash, camera, environment):
+    """The loaded scene; `scene_hash` tells a file that has changed since."""
     import restirpg
 
     return restirpg.load_scene(file, camera=camera, environment=environment)
@@ -111,7 +112,7 @@ def make_renderer(job):
     import restirpg
 
     renderer = restirpg.Renderer(
-        _scene(job.scene, job.camera, job.environment),
+        _scene(job.scene, job.scene_hash, job.camera, job.environment),
         restirpg.load_graph(job.graph),
         size=tuple(job.size),
         seed=job.seed,
@@ -132,104 +133,59 @@ def make_renderer(job):
     return renderer
 
 
+class Renderers:
+    """Renderers kept from run to run: to make one takes as long as a dozen small frames.
+
+    A run on a kept renderer has the bytes of one on a new renderer, for begin() starts both by seed and cut.
+    Before either there is one frame that counts in no time: it refills the caches that another method's run
+    has emptied. A new renderer has two more, since kernels are compiled at their first dispatch, and the
+    memory of the history is first touched in the second frame.
+    """
+
+    def __init__(self, limit=2 << 30):
+        """limit: bytes on the device, scenes included, of all but the renderer in use."""
+        self._limit = limit
+        self._kept = {}  # key of all that runs of a renderer share -> (renderer, camera), the last used last
+
+    def begin(self, job):
+        """The job's renderer at the start of a run, and the scene's own camera."""
+        key = replace(job, seed=0, frames=0, reference=None, references=(), at=(), still=0, gain=1.0).key
+        renderer, home = self._kept.pop(key, (None, None))
+        if renderer is None:
+            renderer = make_renderer(job)
+            home = renderer.camera
+            self._make_room(sum(renderer.memory().values()))
+            renderer.render(2)
+        self._kept[key] = renderer, home
+        renderer.seed = job.seed
+        if job.motion:
+            job.motion.apply(renderer, home, job.still or 1)
+        renderer.cut()
+        renderer.render(1)
+        renderer.cut()
+        return renderer, home
+
+    def forget(self):
+        """Drop them all, as after a failure that may have left one of them or its device unusable."""
+        self._kept.clear()
+
+    def _make_room(self, needed):
+        """Drop those that were not used for longest until there is room for so many bytes."""
+        sizes = {key: sum(renderer.memory().values()) for key, (renderer, _) in self._kept.items()}
+        for key in list(self._kept):
+            if sum(sizes.values()) + needed > self._limit:
+                del self._kept[key], sizes[key]
+
+
 def probe(job):
     """What can be known before the first frame: every knob's value, and the device."""
     renderer = make_renderer(job)
     return {"knobs": renderer.knobs(), "device": dict(renderer.device_info)}
 
 
-def run(job, reference=None, tick=lambda frames: None):
-    """Render the job; `reference` is a result with `mean` and `variance`, when errors are to be measured.
-
-    Returns arrays, one entry for each of job.frames_measured(): `frames`, `mape`, `relmse`, `rmse`, `bias`,
-    `invalid`, `frame_mape` (of that frame alone, NaN where it is not known), `gpu_ms` and `wall_ms` (both
-    summed since the start); `image` and `frame` (float32, H x W x 3:
-    the output after the last frame, and what the last frame alone added to it); `temporal`, see TemporalSums;
-    and `meta`.
-    """
-    import restirpg
-
-    renderer = make_renderer(job)
-    renderer.render(1)  # kernels are compiled at their first dispatch: keep that out of the times
-    renderer.cut()
-    running_mean = is_running_mean(json.loads(job.description), job.output)
-    temporal = TemporalSums(reference["mean"] if reference else None)
-    rows, wall, done, previous = [], 0.0, 0, None
-    for frames in job.frames_measured():
-        for _ in range(frames - done):
-            start = time.perf_counter()
-            renderer.render(1)
-            wall += 1e3 * (time.perf_counter() - start)
-            tick(1)
-        image = np.asarray(renderer.output(job.output), np.float32)[..., :3] * np.float32(job.gain)
-        if running_mean:  # the mean of n frames times n, less the same of n - 1 frames
-            known = frames == 1 or (previous is not None and frames == done + 1)
-            frame = (image if frames == 1 else image * frames - previous * (frames - 1)) if known else None
-        else:
-            frame = image
-        if reference:
-            errors = restirpg.measure_errors(image, reference["mean"])
-            alone = float("nan")
-            if frame is not None:
-                alone = restirpg.measure_errors(frame, reference["mean"])["mape"]
-            rows.append(
-                [errors[name] for name in ("mape", "relmse", "rmse", "bias", "invalid")]
-                + [alone, sum(renderer.total_gpu_times().values()), wall]
-            )
-            temporal.add(frame, consecutive=frames == done + 1)
-        previous, done = image, frames
-    passes, memory = renderer.total_gpu_times(), renderer.memory()
-    columns = np.array(rows, float).reshape(-1, 8).T
-    names = ("mape", "relmse", "rmse", "bias", "invalid", "frame_mape", "gpu_ms", "wall_ms")
-    return {
-        "frames": np.array(job.frames_measured()),
-        **dict(zip(names, columns)),
-        "image": image,
-        "frame": image if frame is None else frame,
-        "temporal": temporal.sums,
-        "meta": {
-            "passes": {name: ms / done for name, ms in passes.items()},
-            "memory": dict(memory),
-            "device": dict(renderer.device_info),
-            "knobs": renderer.knobs(),
-            "running_mean": running_mean,
-            "wall_ms": wall,
-            "invalid": int(np.sum(~np.isfinite(image).all(axis=-1))),
-            "dropped": dropped_samples(renderer),
-        },
-    }
-
-
 def dropped_samples(renderer):
     """How many NaN or infinite samples the graph's output "invalid" says were dropped; 0 without it."""
     return int(np.sum(renderer.output("invalid"))) if "invalid" in renderer.output_names else 0
-
-
-class TemporalSums:
-    """Sums for the autocorrelation at lag 1 of a pixel's single frames, as deviations from the reference.
-
-    `sums` = [sum of e_t e_(t+1), its number of terms, sum of e_t^2, its number of terms], over pixels,
-    luminance.
-    """
-
-    WEIGHTS = np.array([0.2126, 0.7152, 0.0722], np.float32)
-
-    def __init__(self, reference):
-        self._reference = reference
-        self._previous = None
-        self.sums = np.zeros(4)
-
-    def add(self, frame, consecutive):
-        """Add a frame, or None where it is not known; `consecutive`: it follows the one added last."""
-        if frame is None or self._reference is None:
-            self._previous = None
-            return
-        deviation = ((frame - self._reference) @ self.WEIGHTS).astype(float)
-        deviation[~np.isfinite(deviation)] = 0
-        if consecutive and self._previous is not None:
-            self.sums[:2] += np.sum(deviation * self._previous), deviation.size
-        self.sums[2:] += np.sum(deviation**2), deviation.size
-        self._previous = deviation
 
 
 def read_exr(file):

@@ -10,10 +10,45 @@ import traceback
 from multiprocessing.connection import wait
 from pathlib import Path
 
-from harness import render
+from harness import measure, render
 from harness.jobs import Cache
 
 _context = multiprocessing.get_context("spawn")  # a fork would inherit the parent's threads and GPU state
+
+
+class Worker:
+    """What a worker process knows from task to task."""
+
+    def __init__(self, folder):
+        """folder: the cache's."""
+        self._cache, self._renderers = Cache(folder), render.Renderers()
+
+    def do(self, kind, job, tick=lambda frames: None):
+        """Do a task, see Pool.run: its answer is returned, its result kept in the cache."""
+        if kind == "probe":
+            return render.probe(job)
+        self._cache.store(job.key, job.run() if kind == "call" else self._run(job, tick))
+
+    def _run(self, job, tick):
+        try:
+            result = measure.run(job, self._cache.load, tick, self._renderers)
+        except Exception:
+            self._renderers.forget()
+            raise
+        result["meta"]["job"] = {
+            "label": job.label,
+            "scene": job.scene,
+            "graph": job.graph,
+            "seed": job.seed,
+            "size": list(job.size),
+            "frames": job.frames,
+        }
+        return result
+
+
+def one_line(error):
+    """An exception as a line for the user."""
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 def _serve(connection, folder, log):
@@ -25,35 +60,18 @@ def _serve(connection, folder, log):
         os.dup2(file.fileno(), 2)
     faulthandler.enable()
     render.find_package()
-    cache = Cache(folder)
+    worker = Worker(folder)
     try:
         while True:
             kind, job = connection.recv()
             try:
-                if kind == "probe":
-                    connection.send(("done", render.probe(job)))
-                    continue
-                if kind == "call":
-                    cache.store(job.key, job.run())
-                    connection.send(("done", None))
-                    continue
-                reference = cache.load(job.reference) if job.reference else None
-                result = render.run(job, reference, lambda frames: connection.send(("tick", frames)))
-                result["meta"]["job"] = {
-                    "label": job.label,
-                    "scene": job.scene,
-                    "graph": job.graph,
-                    "seed": job.seed,
-                    "size": list(job.size),
-                    "frames": job.frames,
-                }
-                cache.store(job.key, result)
-                connection.send(("done", None))
+                answer = worker.do(kind, job, lambda frames: connection.send(("tick", frames)))
+                connection.send(("done", answer))
             except (BrokenPipeError, EOFError):
                 raise
             except Exception as error:
                 traceback.print_exc()
-                connection.send(("failed", " ".join(str(error).split()) or type(error).__name__))
+                connection.send(("failed", one_line(error)))
     except (BrokenPipeError, EOFError, OSError):
         sys.exit(0)  # the harness has gone
 

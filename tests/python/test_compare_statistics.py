@@ -6,7 +6,7 @@ import pytest
 from scipy import stats
 
 from harness import statistics as st
-from harness.render import TemporalSums
+from harness.measure import TemporalSums
 
 
 def test_paired_and_welch_agree_with_scipy():
@@ -85,20 +85,20 @@ def test_temporal_correlation_finds_the_coefficient_of_an_autoregressive_pixel(m
     # them.
     random = np.random.default_rng(5)
     truth = random.random((64, 64, 3)).astype(np.float32)
-    sums, state = TemporalSums(truth), random.normal(size=(64, 64, 1))
+    sums, state = TemporalSums(), random.normal(size=(64, 64, 1))
     for _ in range(20):
-        sums.add((truth + state).astype(np.float32), consecutive=True)
+        sums.add((truth + state).astype(np.float32), truth, consecutive=True)
         state = memory * state + np.sqrt(1 - memory**2) * random.normal(size=(64, 64, 1))
     assert abs(st.temporal_correlation(sums.sums, 0) - memory) < 5 * 0.0036
 
 
 def test_a_gap_between_frames_is_no_pair():
     truth = np.zeros((2, 2, 3), np.float32)
-    sums = TemporalSums(truth)
+    sums = TemporalSums()
     for consecutive in (True, True, False, True):
-        sums.add(truth + 1, consecutive)
-    sums.add(None, True)
-    sums.add(truth + 1, True)
+        sums.add(truth + 1, truth, consecutive)
+    sums.add(None, truth, True)
+    sums.add(truth + 1, truth, True)
     assert sums.sums[1] == 2 * 4 and sums.sums[3] == 5 * 4
 
 

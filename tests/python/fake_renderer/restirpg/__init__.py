@@ -56,10 +56,11 @@ class Renderer:
     """As restirpg.Renderer, as far as the harness uses it."""
 
     output_names = ["image"]
+    camera = {"position": (0.0, 0.0, 0.0), "target": (0.0, 0.0, -1.0), "up": (0.0, 1.0, 0.0)}
     device_info = {"name": "fake device", "driver": "1", "backend": "none"}
 
     def __init__(self, scene, graph, size, seed=0, device=None, backend=None):
-        self._size, self._seed = size, seed
+        self._size, self.seed = size, seed
         self._knobs = {"paths": dict(DEFAULTS)}
         for entry in graph.description["passes"]:
             self._knobs.setdefault(entry["name"], {}).update(entry.get("knobs", {}))
@@ -68,7 +69,7 @@ class Renderer:
     def cut(self):
         """Forget all frames."""
         self._frames, self._sum, self._noise = 0, 0.0, 0.0
-        self._random = np.random.default_rng(self._seed)
+        self._random = np.random.default_rng(self.seed)
 
     def knobs(self):
         """Every knob's value."""
@@ -92,9 +93,9 @@ class Renderer:
         """Add `count` frames."""
         knobs = self._knobs["paths"]
         width, height = self._size
-        if self._seed == knobs["fail_seed"]:
+        if self.seed == knobs["fail_seed"]:
             raise Error("the device was lost")
-        if self._seed == knobs["crash_seed"] and self._frames > 1:
+        if self.seed == knobs["crash_seed"] and self._frames > 1:
             os.kill(os.getpid(), signal.SIGSEGV)
         for _ in range(count):
             time.sleep(knobs["sleep"])
