@@ -4,6 +4,7 @@ reference.
 
     scripts/compare.py GRAPH[@SETTING=VALUE,...]... --scenes SCENE... [--size 160x90] [--frames 32] [--seeds
     8]
+    scripts/compare.py GRAPH... --scenes SCENE... --at 1,8,9,10,12,16 [--fps 8] [--circle 0.02]
 
 Each GRAPH is one method; the first is the baseline that the others are tested against. Settings are knobs
 (`paths.nee=false`, or `bounces=2` on every pass that has it) and label, output, device, backend. Prints
@@ -21,9 +22,10 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from harness import UserError, analysis, render, report, selftest, tables  # noqa: E402
-from harness.comparison import Comparison, Settings  # noqa: E402
+from harness.comparison import PATH_TRACER, Comparison, Settings  # noqa: E402
 from harness.display import Display  # noqa: E402
 from harness.jobs import Cache, parse_method  # noqa: E402
+from harness.motion import Motion  # noqa: E402
 from harness.workers import Pool  # noqa: E402
 
 
@@ -42,6 +44,26 @@ def positive(text):
     return int(text)
 
 
+def frame_numbers(text):
+    """`K,K,...`, ascending, counted from 1."""
+    parts = text.split(",")
+    numbers = tuple(int(part) for part in parts if part.isdigit())
+    if len(numbers) != len(parts) or numbers != tuple(sorted(set(numbers))) or numbers[0] < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is no ascending list of frames from 1 on, as in 1,8,16")
+    return numbers
+
+
+def length(text):
+    """A positive number."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = 0.0
+    if not 0 < number < float("inf"):
+        raise argparse.ArgumentTypeError(f"'{text}' is no positive number")
+    return number
+
+
 def parse(arguments):
     """The command line as a namespace."""
     parser = argparse.ArgumentParser(
@@ -57,7 +79,23 @@ def parse(arguments):
         help=".glb or .gltf (%(default)s)",
     )
     add("--size", type=size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
-    add("--frames", type=positive, default=32, help="frames of a run (%(default)s)")
+    add("--frames", type=positive, help="frames of a run (32, or the last of --at)")
+    add(
+        "--at",
+        type=frame_numbers,
+        default=(),
+        metavar="K,K,...",
+        help="measure these frames' own pictures, not the mean of all: each against a reference with its own "
+        "time and camera",
+    )
+    add("--fps", type=length, default=0.0, metavar="F", help="play the scene's animation, F frames a second")
+    add(
+        "--circle",
+        type=length,
+        default=0.0,
+        metavar="METRES",
+        help="move the camera round a circle of this radius in its own plane, 6 frames a turn",
+    )
     add("--seeds", type=positive, default=8, help="independent runs of each method (%(default)s)")
     add(
         "--base-seed",
@@ -75,7 +113,7 @@ def parse(arguments):
     add("--reference", metavar="EXR", help="a picture to take for the truth, in place of a path traced one")
     add(
         "--reference-graph",
-        default="graphs/path_tracer.py",
+        default=PATH_TRACER,
         metavar="GRAPH",
         help="what renders the truth (%(default)s)",
     )
@@ -114,11 +152,14 @@ def settings_from(options):
     methods = tuple(parse_method(text) for text in options.methods)
     if not methods:
         raise UserError("no graph given; name one or more, as in scripts/compare.py graphs/path_tracer.py")
+    frames = options.frames or (options.at[-1] if options.at else 32)
+    if options.at and options.at[-1] > frames:
+        raise UserError(f"--at asks for frame {options.at[-1]}, and --frames ends the runs after {frames}")
     return Settings(
         methods=methods,
         scenes=tuple(options.scenes),
         size=options.size,
-        frames=options.frames,
+        frames=frames,
         seeds=options.seeds,
         base_seed=options.base_seed,
         bounces=options.bounces,
@@ -126,8 +167,10 @@ def settings_from(options):
         camera=options.camera,
         reference=options.reference,
         reference_graph=options.reference_graph,
-        reference_frames=options.reference_frames or 32 * options.frames,
+        reference_frames=options.reference_frames or 32 * frames,
         reference_batches=options.reference_batches,
+        motion=Motion(options.circle, options.fps) if options.circle or options.fps else None,
+        at=options.at,
     )
 
 

@@ -31,7 +31,7 @@ class MethodFindings:
     passes: dict  # pass -> ms a frame, mean over seeds
     memory: dict  # resource -> bytes
     against: (
-        dict  # (metric, "frame" or "time") -> paired Test against the baseline; the baseline itself: empty
+        dict  # (metric, "frame", "time" or a frame of `at`) -> paired Test against the baseline, which has none
     )
     images: dict  # "image" (first seed), "mean" (of all seeds), "frame" (first seed's last frame alone)
     adjusted: dict = field(default_factory=dict)  # as `against`, and "bias", "blocks" -> corrected p-value
@@ -50,6 +50,7 @@ class SceneFindings:
     warnings: list
     seeds: int
     bias_tests: int = 1  # in the family that the smallest detectable bias is corrected for
+    at: tuple = ()  # frames whose own pictures were measured, no times compared; (): the mean of all frames was
 
 
 def analyse(scene_runs):
@@ -88,16 +89,24 @@ def _smallest_block_p(method):
 
 def _scene(runs):
     noise = references.noise(runs.reference)
+    subtracted = noise["relmse"]  # from each measured relMSE
+    if runs.at:
+        noise["luminance_variance"] = np.mean([each["luminance_variance"] for each in runs.noise])
+        subtracted = np.array([each["relmse"] for each in runs.noise])
     times = {label: np.array([run["gpu_ms"] for run in seeds]) for label, seeds in runs.runs.items()}
     common = min(float(curve[:, -1].min()) for curve in times.values())
-    methods = [_method(label, seeds, runs.reference, noise, common) for label, seeds in runs.runs.items()]
+    if runs.at:
+        common = float("nan")  # at one time, methods of different speed would show different things
+    methods = [
+        _method(label, seeds, runs.reference, noise, subtracted, common) for label, seeds in runs.runs.items()
+    ]
     for method in methods[1:]:
         method.against = {
             (metric, mode): st.paired(
                 _values(method, metric, mode, common), _values(methods[0], metric, mode, common)
             )
             for metric in METRICS
-            for mode in ("frame", "time")
+            for mode in ("frame", *(runs.at[:-1] if runs.at else ("time",)))
         }
     return SceneFindings(
         runs.scene,
@@ -108,23 +117,26 @@ def _scene(runs):
         runs.descriptions,
         runs.warnings,
         len(next(iter(runs.runs.values()))),
+        at=runs.at,
     )
 
 
 def _values(method, metric, mode, common):
-    """A metric by seed, after the last frame or at the common time."""
+    """A metric by seed, after the last frame, at the common time, or of a frame of `at`."""
     curves = method.curves[metric]
     if mode == "frame":
         return curves[:, -1]
+    if mode != "time":
+        return curves[:, list(method.frames).index(mode)]
     return np.array([st.at_time(times, curve, common) for times, curve in zip(method.gpu_ms, curves)])
 
 
-def _method(label, runs, truth, noise, common):
+def _method(label, runs, truth, noise, subtracted, common):
     gather = {
         name: np.array([run[name] for run in runs])
         for name in ("mape", "relmse", "bias", "gpu_ms", "wall_ms")
     }
-    curves = {"mape": gather["mape"], "relmse": gather["relmse"] - noise["relmse"], "bias": gather["bias"]}
+    curves = {"mape": gather["mape"], "relmse": gather["relmse"] - subtracted, "bias": gather["bias"]}
     pictures = np.array(
         [np.nan_to_num(run["image"].astype(float), nan=0, posinf=0, neginf=0) for run in runs]
     )

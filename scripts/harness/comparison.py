@@ -1,10 +1,14 @@
 """Plans the jobs of a comparison, runs those that are not in the cache, and collects the results."""
 
 import json
+import os
 from dataclasses import dataclass, field, replace
 
 from harness import UserError, reference, render, scenes
 from harness.jobs import Job, Method, digest, seed_of
+from harness.motion import Motion
+
+PATH_TRACER = os.path.relpath(render.ROOT / "graphs" / "path_tracer.py")  # from any folder
 
 
 @dataclass(frozen=True)
@@ -21,9 +25,12 @@ class Settings:
     environment: str | None = None
     camera: int = 0
     reference: str | None = None  # an EXR in place of the path tracer
-    reference_graph: str = "graphs/path_tracer.py"
+    reference_graph: str = PATH_TRACER
     reference_frames: int = 1024  # over all batches together
     reference_batches: int = 16
+    motion: Motion | None = None
+    at: tuple = ()  # ascending frames whose own pictures are measured, each against a reference of its own;
+    # (): measured is the mean of all frames, after each of them
 
 
 @dataclass
@@ -31,10 +38,12 @@ class SceneRuns:
     """Everything measured on one scene."""
 
     scene: str
-    reference: dict
+    reference: dict  # of the last measured frame
     runs: dict  # method label -> results by seed, only of seeds that all methods finished
     descriptions: dict  # method label -> graph description with the knobs as they were
     warnings: list = field(default_factory=list)
+    at: tuple = ()  # as in Settings
+    noise: tuple = ()  # reference.noise() of each frame of `at`
 
 
 class Comparison:
@@ -51,6 +60,8 @@ class Comparison:
         for label in labels:
             if labels.count(label) > 1:
                 raise UserError(f"two pictures would be called '{label}'; tell them apart with @label=NAME")
+        if settings.motion and not settings.at:
+            raise UserError("while things move only single frames can be measured: say which, as in --at 8,16")
 
     def prepare(self):
         """Check scenes, graphs and knobs before anything long starts; raises UserError."""
@@ -68,12 +79,14 @@ class Comparison:
                 graph="",
                 description="",
                 size=settings.size,
-                frames=settings.frames,
+                frames=settings.at[-1] if settings.at else settings.frames,
                 seed=0,
                 code=code,
                 environment=settings.environment,
                 camera=settings.camera,
                 bounces=settings.bounces or scenes.bounce_cap(scene),
+                motion=settings.motion,
+                at=settings.at,
             )
             jobs = [self._job(base, method, descriptions[method.graph]) for method in self._all_methods()]
             self.plans.append(self._plan(scene, jobs, self._probe(jobs)))
@@ -110,8 +123,9 @@ class Comparison:
         return {label: result["meta"] for label, result in found.items()}
 
     def _plan(self, scene, jobs, probes):
-        """Reference jobs and method jobs of a scene, and what is to be said about them."""
-        warnings, batches, settings = [], [], self.settings
+        """Reference jobs (by view, see _views) and method jobs of a scene, and what is to be said about them."""
+        warnings, batches, settings = [], {}, self.settings
+        views = self._views(scene)
         methods = [job for job in jobs if job.label != "reference"]
         self.device.update({job.label: probes[job.label]["device"] for job in methods})
         caps = {job.label: largest_knob(probes[job.label]["knobs"], "bounces") for job in methods}
@@ -125,28 +139,57 @@ class Comparison:
             knobs = (("jitter", jitter),) if differs else ()
             frames = max(1, settings.reference_frames // settings.reference_batches)
             cap = cap if largest_knob(own, "bounces") is not None else None
-            batches = [
-                replace(
-                    job,
-                    bounces=cap,
-                    knobs=knobs,
-                    frames=frames,
-                    label=f"reference {number + 1}",
-                    seed=seed_of(settings.base_seed, "reference", number),
-                )
-                for number in range(settings.reference_batches)
-            ]
+            still = replace(job, bounces=cap, knobs=knobs, frames=frames, at=())
+            batches = {view: self._batches(still, view) for view in dict.fromkeys(views.values())}
             warnings += [
                 f"{label}: its bounce cap is {own_cap}, the reference's {cap}: the difference counts as error"
                 for label, own_cap in caps.items()
                 if own_cap not in (None, cap)
             ]
+        elif len(set(views.values())) > 1:
+            raise UserError(
+                f"{settings.reference}: the frames measured show different things; one picture cannot be "
+                "the reference of all"
+            )
+        if settings.motion and settings.motion.fps and not scenes.is_animated(scene):
+            warnings.append("the scene has no animation that --fps could play")
         if len(set(filters.values()) - {None}) > 1:
             warnings.append(
                 "the methods differ in their pixel filter (knob jitter); the reference has the first one's"
             )
         knobs = {job.label: probes[job.label]["knobs"] for job in methods}
-        return {"scene": scene, "methods": methods, "batches": batches, "warnings": warnings, "knobs": knobs}
+        return {
+            "scene": scene,
+            "methods": methods,
+            "views": views,
+            "batches": batches,
+            "warnings": warnings,
+            "knobs": knobs,
+        }
+
+    def _views(self, scene):
+        """{measured frame: the first one that shows the same, whose reference it has}; {0: 0} of the mean."""
+        at, motion = self.settings.at, self.settings.motion
+        if not motion:
+            return dict.fromkeys(at or (0,), 0)
+        poses, first = {}, {}
+        for frame in range(1, at[-1] + 1):
+            step, seconds = motion.pose(frame)
+            poses[frame] = step, scenes.held_since(scene, seconds) if motion.fps else 0.0
+            first.setdefault(poses[frame], frame)
+        return {frame: first[poses[frame]] for frame in at}
+
+    def _batches(self, job, view):
+        """The jobs of a view's reference, independent of each other."""
+        return [
+            replace(
+                job,
+                still=view,
+                label=f"reference {number + 1}" + (f" of frame {view}" if view else ""),
+                seed=seed_of(self.settings.base_seed, "reference", number),
+            )
+            for number in range(self.settings.reference_batches)
+        ]
 
     def seeds(self):
         """The seeds of the runs: the same for every method, so that tests can be paired."""
@@ -154,33 +197,41 @@ class Comparison:
 
     def run(self):
         """Render what is missing. A scene whose reference fails is left out; see `failures`."""
-        settings, results = self.settings, []
+        results, work = [], 0
         for plan in self.plans:
             plan["jobs"] = [replace(job, seed=seed) for seed in self.seeds() for job in plan["methods"]]
-        self.display.start(sum(cost(job) for plan in self.plans for job in plan["batches"] + plan["jobs"]))
+            work += sum(cost(job) for jobs in (*plan["batches"].values(), plan["jobs"]) for job in jobs)
+        self.display.start(work)
         for plan in self.plans:
-            key, truth = self._reference(plan)
-            if truth is None:
+            references = self._references(plan)
+            if None in references.values():
+                self.failures.append(f"{plan['scene']}: left out: its reference failed")
                 self.display.skip(sum(cost(job) for job in plan["jobs"]))
                 continue
-            jobs = [replace(job, reference=key) for job in plan["jobs"]]
+            keys = [references[view] for view in plan["views"].values()]
+            named = {"references": tuple(keys)} if self.settings.at else {"reference": keys[0]}
+            jobs = [replace(job, **named) for job in plan["jobs"]]
             self.render(jobs)
-            results.append(self._collect(plan, truth, jobs))
+            results.append(self._collect(plan, keys, jobs))
         self.display.stop()
         return results
 
-    def _reference(self, plan):
+    def _references(self, plan):
+        """{view: key of its reference, in the cache by then, or None when it failed}."""
         if self.settings.reference:
-            return reference.from_exr(self.cache, self.settings.reference, self.settings.size)
-        batches = plan["batches"]
+            key, _ = reference.from_exr(self.cache, self.settings.reference, self.settings.size)
+            return dict.fromkeys(plan["views"].values(), key)
+        return {view: self._reference(batches) for view, batches in plan["batches"].items()}
+
+    def _reference(self, batches):
         key = reference.key_of_batches(batches)
-        if truth := self.cache.load(key):
+        if self.cache.load(key):
             self.display.skip(sum(cost(job) for job in batches))
-            return key, truth
+            return key
         if self.render(batches):
-            self.failures.append(f"{plan['scene']}: left out: its reference failed")
-            return key, None
-        return key, reference.combine(self.cache, batches)
+            return None
+        reference.combine(self.cache, batches)
+        return key
 
     def render(self, jobs):
         """Run the jobs that are not in the cache; returns how many failed, each already reported."""
@@ -201,8 +252,13 @@ class Comparison:
                 self.display.message(f"failed: {self.failures[-1]}")
         return failed
 
-    def _collect(self, plan, truth, jobs):
-        """Results by method, of the seeds that every method with any result finished: tests are paired."""
+    def _collect(self, plan, keys, jobs):
+        """Results by method, of the seeds that every method with any result finished: tests are paired.
+
+        keys: of the reference of each measured frame.
+        """
+        truth = self.cache.load(keys[-1])
+        noise = {key: reference.noise(self.cache.load(key)) for key in set(keys)} if self.settings.at else {}
         results = {job.label: {} for job in jobs}
         for job in jobs:
             result = self.cache.load(job.key)
@@ -234,7 +290,15 @@ class Comparison:
                 warnings.append(
                     f"{label}: {dropped} samples were NaN or infinite and left out of its pictures"
                 )
-        return SceneRuns(plan["scene"], truth, runs, descriptions, warnings)
+        return SceneRuns(
+            plan["scene"],
+            truth,
+            runs,
+            descriptions,
+            warnings,
+            self.settings.at,
+            tuple(noise[key] for key in keys if noise),
+        )
 
 
 def cost(job):

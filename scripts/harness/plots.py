@@ -47,14 +47,18 @@ def _curve(axes, x, values, colour, label):
         axes.fill_between(x, mean - se, mean + se, color=colour, alpha=0.25, linewidth=0)
 
 
-def _frame_axis(axes):
+def _frame_axis(axes, scene):
+    if scene.at:  # single frames
+        axes.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(integer=True))
+        axes.set_xlabel("frame")
+        return
     axes.set_xscale("log", base=2)
     axes.xaxis.set_major_formatter(matplotlib.ticker.StrMethodFormatter("{x:g}"))
     axes.set_xlabel("frames")
 
 
 def error_curves(scene, metric, over):
-    """A metric over "frames" or "time" (GPU seconds), log-log; bands are one standard error over seeds."""
+    """A metric over "frames" or "time" (GPU seconds); bands are one standard error over seeds."""
     figure, axes = pyplot.subplots(figsize=(4.15, 3.0))
     positive = True
     for number, method in enumerate(scene.methods):
@@ -63,7 +67,7 @@ def error_curves(scene, metric, over):
         positive &= bool(np.all(method.curves[metric].mean(axis=0) > 0))
     axes.set_yscale("log" if positive else "linear")
     if over == "frames":
-        _frame_axis(axes)
+        _frame_axis(axes, scene)
     else:
         axes.set_xscale("log")
         axes.set_xlabel("GPU time, s")
@@ -80,7 +84,7 @@ def bias_curves(scene):
         _curve(axes, method.frames, 100 * method.curves["bias"], COLOURS[number % len(COLOURS)], method.label)
     band = 196 * scene.noise["relative_se"]
     axes.axhspan(-band, band, color="#888", alpha=0.2, linewidth=0, label="reference ± 95%")
-    _frame_axis(axes)
+    _frame_axis(axes, scene)
     axes.set_ylabel(f"{TITLES['bias']}, %")
     axes.legend()
     return _svg(figure)
@@ -140,7 +144,7 @@ def charts(scene):
     errors = [
         (f"{metric} over {over}", error_curves(scene, metric, over))
         for metric in METRICS
-        for over in ("frames", "time")
+        for over in (("frames",) if scene.at else ("frames", "time"))
     ]
     return [
         *errors,

@@ -128,6 +128,16 @@ def provenance(program, code, devices):
     ]
 
 
+def _motion(settings):
+    """[(name, value)] of what moved and which frames were measured."""
+    motion, rows = settings.motion, []
+    if settings.at:
+        rows.append(("single frames measured", ", ".join(map(str, settings.at))))
+    if motion:
+        rows.append(("motion", f"animation at {motion.fps:g} frames a second, camera on a circle of {motion.circle:g} m"))
+    return rows
+
+
 def _provenance(settings, comparison):
     rows = provenance("scripts/compare.py", comparison.code, comparison.device.values())
     rows += [
@@ -135,6 +145,7 @@ def _provenance(settings, comparison):
             "size, frames, seeds",
             f"{settings.size[0]}x{settings.size[1]}, {settings.frames}, {settings.seeds}",
         ),
+        *_motion(settings),
         ("seeds", ", ".join(map(str, comparison.seeds()))),
         ("bounce cap", str(settings.bounces or "the scene's or the graph's own")),
     ]
@@ -170,7 +181,7 @@ def scene_views(findings):
             "name": scene.scene,
             "findings": scene,
             "reference": tables.reference_line(scene),
-            "tables": [*tables.equal_tables(scene), tables.quality_table(scene)],
+            "tables": [*tables.error_tables(scene), tables.quality_table(scene)],
             "graphs": _graphs(scene),
             "charts": [
                 (title, base64.b64encode(svg.encode()).decode()) for title, svg in plots.charts(scene)

@@ -36,6 +36,36 @@ def bounce_cap(file):
     return bounces if isinstance(bounces, int) else None
 
 
+def _key_ranges(file):
+    """(first key, last key, whether the one value holds until the last key) of each animation sampler, s."""
+    document = _document(file)
+    for animation in document.get("animations", []):
+        for sampler in animation.get("samplers", []):
+            times = document["accessors"][sampler["input"]]
+            jump = sampler.get("interpolation") == "STEP" and times["count"] <= 2
+            yield times["min"][0], times["max"][0], jump
+
+
+def is_animated(file):
+    """Whether anything moves in the scene."""
+    return any(True for _ in _key_ranges(file))
+
+
+def held_since(file, seconds):
+    """The earliest time, s, from which on the animation stands until `seconds` as it does then.
+
+    Times of one answer need one reference between them. Seen are pauses before and after all keys, and jumps
+    between two (interpolation STEP).
+    """
+    since = 0.0
+    for first, last, jump in _key_ranges(file):
+        if seconds >= last:
+            since = max(since, last)
+        elif seconds > first and not jump:
+            return seconds
+    return since
+
+
 def content_hash(file, environment=None):
     """Hash of the file, of the files it names, and of the environment; raises UserError."""
     path = Path(file)

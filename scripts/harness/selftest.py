@@ -32,6 +32,7 @@ class _Everything:
     """Settings of a Comparison that only renders."""
 
     methods = ()
+    motion = None
 
 
 def run(options, cache, pool, display):

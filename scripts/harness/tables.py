@@ -29,16 +29,19 @@ def with_error(value, error, scale=1.0, unit=""):
     return f"{value:.{places}f} ± {error:.{places}f}{unit}"
 
 
+def error_of(method, metric, mode):
+    """Mean and standard error over seeds: after the last frame ("frame"), at equal "time", or at a frame."""
+    if mode in ("frame", "time"):
+        return (method.equal_frame if mode == "frame" else method.equal_time)[metric]
+    return st.mean_se(method.curves[metric][:, list(method.frames).index(mode)])
+
+
 def verdict(method, baseline, metric, mode):
     """The method's error against the baseline's: ratio of means, and a word that needs p < LEVEL."""
     kind = (metric, mode)
     if not method.against:
         return "baseline"
-    values = method.equal_frame if mode == "frame" else method.equal_time
-    own, other = (
-        values[metric][0],
-        (baseline.equal_frame if mode == "frame" else baseline.equal_time)[metric][0],
-    )
+    own, other = (error_of(each, metric, mode)[0] for each in (method, baseline))
     ratio = f"×{own / other:.3f} " if other > 0 and own > 0 else ""
     p = method.adjusted[kind]
     if math.isnan(p):
@@ -105,6 +108,40 @@ def equal_tables(scene):
     return tables
 
 
+def _test_of(scene, frame):
+    """The name that the tests of a measured frame have."""
+    return "frame" if frame == scene.at[-1] else frame
+
+
+def _single_frame_tables(scene):
+    """[(title, header, rows)] of the errors of single frames, a row each, and of what a frame costs."""
+    tables, baseline = [], scene.methods[0]
+    for metric in METRICS:
+        scale, unit = (100, "%") if metric == "mape" else (1, "")
+        rows = []
+        for frame in scene.at:
+            row = [str(frame)]
+            for method in scene.methods:
+                row.append(with_error(*error_of(method, metric, frame), scale, unit))
+                if method is not baseline:
+                    row.append(verdict(method, baseline, metric, _test_of(scene, frame)))
+            rows.append(row)
+        header = ["frame", baseline.label]
+        header += [text for method in scene.methods[1:] for text in (method.label, "against the first")]
+        tables.append((f"{TITLES[metric]} of single frames", header, rows))
+    costs = [
+        [method.label, *(with_error(*st.mean_se(times[:, -1] / method.frames[-1])) for times in
+                         (method.gpu_ms, method.wall_ms))]
+        for method in scene.methods
+    ]
+    return [*tables, ("Cost", ["method", "GPU ms/frame", "wall ms/frame"], costs)]
+
+
+def error_tables(scene):
+    """[(title, header, rows)] of the errors: of single frames, or at equal frames and at equal time."""
+    return _single_frame_tables(scene) if scene.at else equal_tables(scene)
+
+
 def quality_table(scene):
     """(title, header, rows) of bias and correlation."""
     header = [
@@ -130,7 +167,7 @@ def quality_table(scene):
         ]
         for method in scene.methods
     ]
-    return "Bias and correlation", header, rows
+    return "Bias and correlation" + (f" of frame {scene.at[-1]}" if scene.at else ""), header, rows
 
 
 def reference_line(scene):
@@ -139,7 +176,8 @@ def reference_line(scene):
     if not meta["batches"]:
         return f"reference: {meta['source']}, taken as exact: its own error is not known"
     return (
-        f"reference: {meta['source']}, {meta['batches']} batches of {meta['frames']} frames; "
+        f"reference{f' of frame {scene.at[-1]}' if scene.at else ''}: {meta['source']}, "
+        f"{meta['batches']} batches of {meta['frames']} frames; "
         f"standard error of its mean {100 * scene.noise['relative_se']:.2g}%; "
         f"its noise is {scene.noise['relmse']:.2g} of relMSE (subtracted) and a floor of "
         f"{100 * scene.noise['mape']:.2g}% under MAPE (not subtracted)"
@@ -155,7 +193,7 @@ def as_text(findings, width=None):
         console.print(reference_line(scene), highlight=False)
         for warning in scene.warnings:
             console.print(f"warning: {warning}", highlight=False)
-        for title, header, rows in [*equal_tables(scene), quality_table(scene)]:
+        for title, header, rows in [*error_tables(scene), quality_table(scene)]:
             table = Table(title=title, box=rich.box.SIMPLE_HEAD, title_justify="left")
             for number, name in enumerate(header):
                 table.add_column(name, justify="left" if number == 0 else "right", overflow="fold")
@@ -181,8 +219,13 @@ def _write(path, header, rows):
 
 
 def write_csv(findings, folder):
-    """Write runs.csv (every seed and measured frame) and summary.csv (every method) into `folder`."""
+    """Write runs.csv (every seed and measured frame) and summary.csv (every method) into `folder`.
+
+    Where single frames are measured, frames.csv too: every method and frame.
+    """
     folder = Path(folder)
+    if any(scene.at for scene in findings):
+        _write_frames(findings, folder / "frames.csv")
     names = ("mape", "relmse", "bias")
     rows = [
         [
@@ -235,3 +278,19 @@ def write_csv(findings, folder):
             ]
             rows.append([value if isinstance(value, str) else f"{float(value):.9g}" for value in row])
     _write(folder / "summary.csv", header, rows)
+
+
+def _write_frames(findings, file):
+    """Errors of single frames: mean and standard error over seeds, corrected p against the first method."""
+    header = ["scene", "method", "frame"]
+    header += [name for metric in METRICS for name in (metric, f"{metric}_se", f"{metric}_p")]
+    rows = []
+    for scene in findings:
+        for method in scene.methods:
+            for frame in scene.at:
+                row = [scene.scene, method.label, frame]
+                for metric in METRICS:
+                    p = method.adjusted.get((metric, _test_of(scene, frame)), float("nan"))
+                    row += [f"{float(value):.9g}" for value in (*error_of(method, metric, frame), p)]
+                rows.append([*row, *(f"{float(value):.9g}" for value in error_of(method, "bias", frame))])
+    _write(file, [*header, "bias", "bias_se"], rows)

@@ -76,7 +76,7 @@ def _serve(connection, folder, log):
         sys.exit(0)  # the harness has gone
 
 
-class _Worker:
+class _Process:
     def __init__(self, folder, number):
         self.log = Path(folder) / f"worker-{number}.log"
         self.log.unlink(missing_ok=True)
@@ -159,4 +159,4 @@ class Pool:
 
     def _start(self):
         self._started += 1
-        return _Worker(self._folder, self._started)
+        return _Process(self._folder, self._started)

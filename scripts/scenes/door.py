@@ -189,13 +189,26 @@ def door_ajar_animated():
 
 def door_ajar_box_light():
     """Door ajar whose lamp, a glowing box, wanders about the back room in a loop of four seconds."""
-    scene, _ = _build("door_ajar_box_light", panel=False)
     places = [(0.85 * math.sin(a) - 0.1, 1.9 + 0.35 * math.sin(2 * a), -3.7 + 0.6 * math.cos(a))
               for a in np.linspace(0, 2 * math.pi, 17)]
-    box = shapes.box((-0.16, -0.16, -0.16), (0.16, 0.16, 0.16))
-    lamp = scene.add("BoxLight", (box, emitter("BoxLight", (1500.0, 1300.0, 1000.0))), at=places[0])
+    scene, lamp = _box_light("door_ajar_box_light", places[0])
     scene.animate(lamp, "translation", _loop_times(places), places)
     return scene
+
+
+def door_ajar_light_cut():
+    """Door ajar whose lamp, a glowing box, jumps after one second: how soon does a method recover?"""
+    places = [(0.6, 2.2, -3.3), (-0.9, 1.4, -4.2)]
+    scene, lamp = _box_light("door_ajar_light_cut", places[0])
+    scene.animate(lamp, "translation", (0.0, 1.0), places, "STEP")
+    return scene
+
+
+def _box_light(name, place):
+    """The scene lit by a glowing box instead of the panel, and the box's node."""
+    scene, _ = _build(name, panel=False)
+    box = shapes.box((-0.16, -0.16, -0.16), (0.16, 0.16, 0.16))
+    return scene, scene.add("BoxLight", (box, emitter("BoxLight", (1500.0, 1300.0, 1000.0))), at=place)
 
 
 def _loop_times(keys):
@@ -203,4 +216,5 @@ def _loop_times(keys):
     return [4.0 * k / (len(keys) - 1) for k in range(len(keys))]
 
 
-FAMILY = (door_ajar, door_ajar_diffuse, door_ajar_glossy, door_ajar_animated, door_ajar_box_light)
+FAMILY = (door_ajar, door_ajar_diffuse, door_ajar_glossy, door_ajar_animated, door_ajar_box_light,
+          door_ajar_light_cut)

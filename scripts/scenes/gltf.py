@@ -285,14 +285,14 @@ class SceneFile:
             {"name": name, "extensions": {"KHR_lights_punctual": {"light": len(lights) - 1}}}, position,
             look_at(position, target, up))
 
-    def animate(self, node, path, times, values):
-        """Animate "translation" or "rotation" of a node linearly through keys at `times` (s)."""
+    def animate(self, node, path, times, values, interpolation="LINEAR"):
+        """Animate "translation" or "rotation" of a node through keys at `times` (s); "STEP" jumps at them."""
         if "animations" not in self._json:
             self._append("animations", {"name": "Loop", "samplers": [], "channels": []})
         animation = self._json["animations"][0]
         animation["samplers"].append({"input": self._accessor(np.asarray(times, np.float32)),
                                       "output": self._accessor(np.asarray(values, np.float32)),
-                                      "interpolation": "LINEAR"})
+                                      "interpolation": interpolation})
         animation["channels"].append({"sampler": len(animation["samplers"]) - 1,
                                       "target": {"node": node, "path": path}})
 

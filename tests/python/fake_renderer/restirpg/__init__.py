@@ -46,10 +46,11 @@ def load_graph(file):
     return _Graph(json.loads(Path(file).read_text()))
 
 
-def truth(width, height):
-    """The picture that every unbiased run converges to."""
+def truth(width, height, seconds=0.0, aside=0.0):
+    """The picture that every unbiased run converges to; `aside`: of the camera, to its right."""
     y, x = np.mgrid[0:height, 0:width]
-    return (0.2 + 0.1 * np.sin(x / 5)[..., None] * np.cos(y / 7)[..., None]) * np.array([1.0, 0.8, 0.6])
+    pattern = np.sin(x / 5 + aside)[..., None] * np.cos(y / 7)[..., None]
+    return (0.2 + 0.1 * pattern) * np.array([1.0, 0.8, 0.6]) * (1 + seconds)
 
 
 class Renderer:
@@ -60,7 +61,7 @@ class Renderer:
     device_info = {"name": "fake device", "driver": "1", "backend": "none"}
 
     def __init__(self, scene, graph, size, seed=0, device=None, backend=None):
-        self._size, self.seed = size, seed
+        self._size, self.seed, self._seconds = size, seed, 0.0
         self._knobs = {"paths": dict(DEFAULTS)}
         for entry in graph.description["passes"]:
             self._knobs.setdefault(entry["name"], {}).update(entry.get("knobs", {}))
@@ -70,6 +71,14 @@ class Renderer:
         """Forget all frames."""
         self._frames, self._sum, self._noise = 0, 0.0, 0.0
         self._random = np.random.default_rng(self.seed)
+
+    def set_time(self, seconds):
+        """Of the next frame: all lights grow with it."""
+        self._seconds = seconds
+
+    def move_camera(self, position, target):
+        """From the next frame on."""
+        self.camera = {**self.camera, "position": position, "target": target}
 
     def knobs(self):
         """Every knob's value."""
@@ -104,7 +113,8 @@ class Renderer:
             fresh = fresh.repeat(size, axis=0).repeat(size, axis=1)[:height, :width] * knobs["noise"]
             old = knobs["memory"] if self._frames else 0.0
             self._noise = old * self._noise + np.sqrt(1 - old**2) * fresh
-            self._sum = self._sum + truth(width, height) * knobs["gain"] * (1 + self._noise)
+            light = truth(width, height, self._seconds, self.camera["position"][0])
+            self._sum = self._sum + light * knobs["gain"] * (1 + self._noise)
             self._frames += 1
 
     def output(self, name):

@@ -1,0 +1,157 @@
+"""scripts/compare.py while things move: each measured frame against the reference of that frame."""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from harness_runs import ENVIRONMENT, ROOT, arguments, compare, write_graph
+from renderer_scenes import write_flying_panel
+
+from harness import scenes
+from harness.motion import Motion
+
+# The fake renderer's light grows by 1 a second: at 4 frames a second neighbours differ by 13% or more.
+METHODS = ["plain.json@noise=0,label=quiet", "plain.json@label=noisy"]
+
+
+def write_scene(folder, times=(0.0, 9.0), interpolation="LINEAR"):
+    """A scene file whose one animation has its keys at `times`; its name."""
+    accessors = [{"count": len(times), "min": [times[0]], "max": [times[-1]]}, {}]
+    sampler = {"input": 0, "output": 1, "interpolation": interpolation}
+    document = {"accessors": accessors, "animations": [{"samplers": [sampler], "channels": []}]}
+    (folder / "moving.gltf").write_text(json.dumps(document))
+    return "moving.gltf"
+
+
+def options_of(folder, **options):
+    """Of a comparison whose reference has no noise."""
+    reference = write_graph(folder, "exact", noise=0)
+    return {"scenes": "moving.gltf", "seeds": 3, "frames": 16, "reference_graph": reference,
+            "reference_frames": 4, "reference_batches": 2, **options}
+
+
+def frames(folder):
+    """frames.csv: (method, frame) -> {column: value}."""
+    with open(folder / "out/frames.csv") as file:
+        return {(row["method"], int(row["frame"])): {name: float(row[name]) for name in row if "_" in name or name in
+                                                     ("mape", "relmse", "bias")} for row in csv.DictReader(file)}
+
+
+def referred(folder):
+    """The frames that references were rendered of."""
+    labels = []
+    for path in (folder / "out/cache").glob("*.npz"):
+        with np.load(path) as file:
+            labels.append(json.loads(str(file["meta"])).get("job", {}).get("label", ""))
+    return sorted({int(label.split()[-1]) for label in labels if " of frame " in label})
+
+
+def test_each_frame_is_measured_alone_and_against_its_own_reference(tmp_path):
+    write_scene(tmp_path)
+    run = compare(tmp_path, *METHODS, **options_of(tmp_path, at="1,2,5", fps=4))
+    assert run.returncode == 0, run.stderr
+    rows = frames(tmp_path)
+    assert sorted(rows) == [(method, frame) for method in ("noisy", "quiet") for frame in (1, 2, 5)]
+    for frame in (1, 2, 5):
+        assert rows["quiet", frame]["mape"] < 1e-5
+        # One frame's noise, not that of the mean of five: it has the expected absolute value 2/e of its
+        # exponential distribution less its mean, by all of 768 pixels.
+        assert rows["noisy", frame]["mape"] == pytest.approx(2 / np.e, rel=0.1)
+    assert "MAPE of single frames" in run.stdout and "higher (" in run.stdout
+
+
+INJECTION = """
+import sys
+sys.path.insert(0, sys.argv.pop(1))
+import compare
+from harness.comparison import Comparison
+views = Comparison._views
+Comparison._views = lambda self, scene: {frame: view - 1 for frame, view in views(self, scene).items()}
+sys.exit(compare.main(sys.argv[1:]))
+"""
+
+
+def test_the_reference_of_the_frame_before_shows_as_an_error(tmp_path):
+    write_scene(tmp_path)
+    own = arguments(tmp_path, *METHODS, **options_of(tmp_path, at="2,5", fps=4))[2:]
+    run = subprocess.run([sys.executable, "-c", INJECTION, str(ROOT / "scripts"), *own], cwd=tmp_path,
+                         env=ENVIRONMENT, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    assert all(frames(tmp_path)["quiet", frame]["mape"] > 0.1 for frame in (2, 5))
+
+
+def test_frames_that_show_the_same_share_a_reference(tmp_path):
+    write_scene(tmp_path, (0.0, 1.0), "STEP")
+    run = compare(tmp_path, METHODS[1], **options_of(tmp_path, at="1,4,5,6,12", fps=4))
+    assert run.returncode == 0, run.stderr
+    assert referred(tmp_path) == [1, 5]  # before the jump, and after it
+
+
+def test_a_camera_on_a_circle_is_where_it_was_a_turn_ago(tmp_path):
+    write_scene(tmp_path)
+    run = compare(tmp_path, METHODS[0], **options_of(tmp_path, at="2,4,8", circle=0.5))
+    assert run.returncode == 0, run.stderr
+    assert referred(tmp_path) == [2, 4]
+    assert all(row["mape"] < 1e-5 for row in frames(tmp_path).values())
+
+
+def test_frames_of_a_still_scene_have_the_reference_of_its_mean(tmp_path):
+    write_scene(tmp_path)
+    run = compare(tmp_path, METHODS[0], **options_of(tmp_path, at="1,3"))
+    assert run.returncode == 0, run.stderr
+    assert referred(tmp_path) == []
+    assert all(row["mape"] < 1e-5 for row in frames(tmp_path).values())
+
+
+def test_an_animation_stands_before_between_and_after_what_moves_it(tmp_path):
+    scene = tmp_path / write_scene(tmp_path, (1.0, 2.0))
+    assert [scenes.held_since(scene, seconds) for seconds in (0.5, 1.0, 1.5, 2.0, 3.0)] == [0, 0, 1.5, 2, 2]
+    write_scene(tmp_path, (0.5, 2.0), "STEP")
+    assert [scenes.held_since(scene, seconds) for seconds in (0.5, 1.5, 2.0, 3.0)] == [0, 0, 2, 2]
+    write_scene(tmp_path, (0.0, 1.0, 2.0), "STEP")  # what is between its keys is not looked up
+    assert scenes.held_since(scene, 1.5) == 1.5
+
+
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        ({"fps": 4}, "say which, as in --at"),
+        ({"at": "4,2"}, "no ascending list of frames"),
+        ({"at": "32"}, "--at asks for frame 32, and --frames ends the runs after 16"),
+        ({"fps": -1, "at": "2"}, "no positive number"),
+        ({"fps": 4, "at": "1,2", "reference": "out/images/moving.reference.exr"}, "show different things"),
+    ],
+)
+def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, options, words):
+    write_scene(tmp_path)
+    run = compare(tmp_path, *METHODS, **options_of(tmp_path, **options))
+    assert run.returncode == 2
+    assert len([line for line in run.stderr.splitlines() if not line.startswith(("usage:", " "))]) == 1
+    assert words in run.stderr
+
+
+def test_a_scene_without_animation_is_played_under_a_warning(tmp_path):
+    (tmp_path / "moving.gltf").touch()
+    run = compare(tmp_path, METHODS[0], **options_of(tmp_path, at="1,2", fps=4))
+    assert "no animation that --fps could play" in run.stdout
+
+
+def test_the_renderer_shows_what_its_reference_shows(tmp_path):
+    """A panel that flies out of the view, and nothing but its own emission: no noise, so no error at all."""
+    write_flying_panel(tmp_path / "panel.gltf")
+    graph = f"{ROOT}/graphs/path_tracer.py@gbuffer.jitter=false"
+    command = [sys.executable, ROOT / "scripts/compare.py", graph, "--scenes", "panel.gltf", "--size", "16x8", "--at",
+               "1,2,3", "--fps", "16", "--circle", "0.3", "--seeds", "2", "--reference-frames", "2",
+               "--reference-batches", "2", "--out", "out"]
+    environment = {**os.environ, "RESTIRPG_VALIDATION": "1"}
+    run = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    rows = frames(tmp_path)
+    assert len(rows) == 3 and all(row["mape"] < 1e-5 for row in rows.values())
+    assert Motion(0.3, 16).pose(2) == (0, 1 / 16)
+
+

@@ -1,0 +1,82 @@
+"""A run on a renderer that a worker has kept is the run of a new one: same bytes, whatever went before."""
+
+import json
+import sys
+
+import numpy as np
+from renderer_scenes import ROOT, scene_file, write_flying_panel  # noqa: F401
+
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from harness import measure, render, scenes
+from harness.jobs import Cache, Job
+from harness.motion import Motion
+from harness.workers import Pool
+
+FRAMES = 3
+
+
+def job_of(graph, scene, seed, **options):
+    """A small run of a graph of this repository."""
+    file = str(ROOT / "graphs" / graph)
+    return Job(scene=str(scene), scene_hash=scenes.content_hash(scene), graph=file,
+               description=json.dumps(render.describe_graph(file)), size=(24, 16), frames=FRAMES, seed=seed,
+               code="", **{"bounces": 2, **options})
+
+
+def pictures(folder, jobs):
+    """Outputs of the jobs, done one after the other by one worker."""
+    with Pool(Cache(folder).folder, 1) as pool:
+        assert [failure for _, failure, _ in pool.run(jobs)] == [None] * len(jobs)
+    return [Cache(folder).load(job.key)["image"] for job in jobs]
+
+
+def test_a_run_on_a_kept_renderer_has_the_bytes_of_one_on_a_new_one(scene_file, tmp_path):  # noqa: F811
+    first, second = (job_of("restir_pg.py", scene_file, seed) for seed in (1, 2))
+    kept = pictures(tmp_path / "kept", [first, job_of("path_tracer.py", scene_file, 1), second])[-1]
+    (new,) = pictures(tmp_path / "new", [second])
+    np.testing.assert_array_equal(kept, new)
+
+
+class Uncut:
+    """A renderer that ignores cuts."""
+
+    def __init__(self, renderer):
+        object.__setattr__(self, "renderer", renderer)
+
+    def cut(self):
+        """Forget nothing."""
+
+    def __getattr__(self, name):
+        return getattr(self.renderer, name)
+
+    def __setattr__(self, name, value):
+        setattr(self.renderer, name, value)
+
+
+def test_history_that_is_not_forgotten_shows(scene_file, monkeypatch):  # noqa: F811
+    """The injected error: what the test above must find."""
+    job = job_of("restir_pg.py", scene_file, 1)
+    make = render.make_renderer
+    new = measure.run(job)["image"]
+    monkeypatch.setattr(render, "make_renderer", lambda job: Uncut(make(job)))
+    assert not np.array_equal(measure.run(job)["image"], new)
+
+
+def test_a_run_starts_where_the_motion_starts(tmp_path):
+    panel = write_flying_panel(tmp_path / "panel.gltf")
+    moving = [job_of("path_tracer.py", panel, seed, motion=Motion(0.05, 4.0)) for seed in (1, 2)]
+    kept, (new,) = pictures(tmp_path / "kept", moving), pictures(tmp_path / "new", moving[1:])
+    np.testing.assert_array_equal(kept[1], new)
+    assert 0 < new.mean() < 1  # the panel leaves the view
+
+
+def test_renderers_that_were_not_used_for_longest_make_room(scene_file):  # noqa: F811
+    jobs = [job_of("path_tracer.py", scene_file, 1, bounces=cap) for cap in (1, 2, 3)]
+    size = sum(render.make_renderer(jobs[0]).memory().values())
+    renderers = render.Renderers(limit=2 * size)
+    first, second = (renderers.begin(job)[0] for job in jobs[:2])
+    assert renderers.begin(jobs[0])[0] is first
+    renderers.begin(jobs[2])
+    assert renderers.begin(jobs[0])[0] is first
+    assert renderers.begin(jobs[1])[0] is not second
