@@ -12,8 +12,8 @@ def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, c
 
     temporal, rounds: reuse over frames, and rounds of reuse over pixels, for direct and indirect light alike.
     train: what the guide of the initial paths learns from, if there is one: "selected", the paths that resampling has
-    selected; "candidates", those it chose from; "raw", all bounces of the candidates' path trees, weighted by the light
-    that came back.
+    selected; "temporal", those that a resampling over frames alone would have selected, done beside it; "candidates", those
+    it chose from; "raw", all bounces of the candidates' path trees, weighted by the light that came back.
     cells: where the guide is kept: "world", in the hash grid; "screen", a lobe a pixel, which learns from "raw" alone.
     splat, fit: knobs of the guide's passes; in screen space there is only a fit.
     show: "resampled", or "candidates": the indirect light of the initial paths alone, guided if there is a guide.
@@ -30,13 +30,17 @@ def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, c
         guide = g.add("guide", "GuidingScreen", surface=gbuffer.surface, samples=prev("paths.samples"),
                       history=prev("guide.statistics"), **before, **fit).guide
     paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=bounces, guide=guide)
-    vertices = {"candidate_vertices": paths.vertices, "history_vertices": prev("reuse.vertices")}
-    reuse = g.add("reuse", "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates,
-                  history=prev("reuse.reservoirs"), temporal=temporal, rounds=rounds, bounces=bounces,
-                  **before, **(vertices if train == "selected" else {}))
+
+    def resample(name, learned, **knobs):
+        vertices = {"candidate_vertices": paths.vertices, "history_vertices": prev(f"{name}.vertices")}
+        return g.add(name, "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates,
+                     history=prev(f"{name}.reservoirs"), bounces=bounces, **knobs, **before, **(vertices if learned else {}))
+
+    reuse = resample("reuse", train == "selected", temporal=temporal, rounds=rounds)
     if train and cells == "world":
-        lessons = {"selected": {"vertices": reuse.vertices}, "candidates": {"vertices": paths.vertices},
-                   "raw": {"samples": paths.samples}}[train]
+        lessons = {"selected": lambda: {"vertices": reuse.vertices}, "candidates": lambda: {"vertices": paths.vertices},
+                   "temporal": lambda: {"vertices": resample("teacher", True, rounds=0).vertices},
+                   "raw": lambda: {"samples": paths.samples}}[train]()
         statistics = g.add("splat", "GuidingSplat", guide=prev("fit.guide"), **lessons, **splat)
         g.add("fit", "GuidingFit", statistics=statistics.statistics, history=prev("fit.guide"), **fit)
     image = g.add("accumulate", "Accumulate", direct=direct.radiance, indirect=reuse.radiance if show == "resampled" else paths.radiance,

@@ -22,204 +22,10 @@ import argparse
 import sys
 from pathlib import Path
 
-import matplotlib
+import numpy as np
+import restirpg
+from harness import UserError, guide_maps
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-import restirpg  # noqa: E402
-from harness.guiding import (
-    CELL,
-    MEMORY,
-    SAMPLE,
-    VALID,
-    VERTEX,
-    SUMS,
-    grid_of,
-    mixture_of,
-    read_table,  # noqa: E402
-    unpack_direction,
-)
-
-ROWS, COLUMNS = 8, 32  # bins of a hemisphere
-FACE = 48  # pixels of a cube's face
-FACE_FRAMES = 64
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-
-
-class Point:
-    """A surface point: `position` (3,), `frame` (3, 3) whose last row is the normal, `key` of its cell."""
-
-    def __init__(self, position, normal, key):
-        self.position, self.key = position, key
-        tangent = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
-        tangent /= np.linalg.norm(tangent)
-        self.frame = np.stack([tangent, np.cross(normal, tangent), normal])
-
-    def histogram(self, directions, weights):
-        """Share of the weights in each bin of the hemisphere, (ROWS, COLUMNS); what lies below the horizon is
-        left out."""
-        x, y, z = self.frame @ np.asarray(directions).T
-        above = z > 0
-        sums = np.histogram2d(
-            1 - z[above],
-            np.arctan2(y, x)[above],
-            (ROWS, COLUMNS),
-            ((0, 1), (-np.pi, np.pi)),
-            weights=np.asarray(weights)[above],
-        )[0]
-        return sums / max(sums.sum(), 1e-30)
-
-
-def learn(arguments, scene):
-    """Render. Returns the points and, for each, a list of (directions (n, 3), weights (n,)) a frame and the
-    last fitted mixture."""
-    graph = restirpg.load_graph(arguments.graph).description
-    port = ("paths", "samples") if arguments.raw else ("reuse", "vertices")
-    graph["outputs"] += [
-        {"name": "training", "pass": port[0], "output": port[1]},
-        {"name": "normal", "pass": "gbuffer", "output": "geometric_normal"},
-        {"name": "depth", "pass": "gbuffer", "output": "depth"},
-        {"name": "material", "pass": "gbuffer", "output": "material"},
-    ]
-    renderer = restirpg.Renderer(scene, graph, size=arguments.size, seed=1)
-    renderer.set("splat.cell_size", arguments.cell_size)
-    if arguments.raw:
-        renderer.set("paths.alpha", 1.0)
-    points, frames = [], []
-    for _ in range(arguments.frames):
-        renderer.render(1)
-        header = read_table(renderer.read_port("splat.statistics"), SUMS)[0]
-        grid = grid_of(header)
-        points = points or find_points(arguments, renderer, grid)
-        data = renderer.read_port(".".join(port)).view(SAMPLE if arguments.raw else VERTEX)
-        data = data[data["surface"] & VALID != 0]
-        keys = grid.keys(
-            grid.positions(data["position"]), data["surface"] >> 16 & 7, data["surface"] & 0xFFFF
-        )[0]
-        weights = np.ones(len(data))
-        if arguments.raw:
-            weights = data["weight"] * np.exp2(((data["surface"] >> 22).astype(float) - 512) / 32)
-        mine = [(keys == np.uint64(point.key)) & (weights > 0) for point in points]
-        frames.append([(unpack_direction(data["direction"][m]), weights[m]) for m in mine])
-    guide = read_table(renderer.read_port("fit.guide"), CELL, MEMORY)[1]
-    mixtures = [mixture_of(guide[point.key][0]) if point.key in guide else None for point in points]
-    return points, [list(samples) for samples in zip(*frames)], mixtures
-
-
-def find_points(arguments, renderer, grid):
-    """The points that the pixels see."""
-    width, height = arguments.size
-    camera = {name: np.array(value) for name, value in renderer.camera.items()}
-    forward = camera["target"] - camera["position"]
-    forward /= np.linalg.norm(forward)
-    right = np.cross(forward, camera["up"])
-    right /= np.linalg.norm(right)
-    extent = np.tan(camera["yfov"] / 2)
-    images = {name: renderer.output(name) for name in ("normal", "depth", "material")}
-    points = []
-    for x, y in arguments.pixel:
-        if not (0 <= x < width and 0 <= y < height and images["depth"][y, x, 0] > 0):
-            sys.exit(
-                f"see_guide.py: pixel {x} {y} shows no surface; give one of the {width}x{height} that does"
-            )
-        across, down = (2 * (x + 0.5) / width - 1) * width / height, 1 - 2 * (y + 0.5) / height
-        ray = forward + extent * (across * right + down * np.cross(right, forward))
-        position = camera["position"] + images["depth"][y, x, 0] * ray
-        normal = images["normal"][y, x].astype(float)
-        axis = np.abs(normal).argmax()
-        face, material = np.array([2 * axis + (normal[axis] < 0)]), images["material"][y, x].astype(int)
-        points.append(Point(position, normal, int(grid.keys(position[None], face, material)[0][0])))
-    return points
-
-
-def product_at(point, scene, bounces):
-    """L_i cos in each bin, normalised, (ROWS, COLUMNS)."""
-    g = restirpg.Graph("What a point sees")
-    gbuffer = g.add("gbuffer", "GBuffer", jitter=True)
-    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, direct=True)
-    image = g.add(
-        "accumulate", "Accumulate", indirect=paths.radiance, history=restirpg.prev("accumulate.sums")
-    )
-    g.output("image", image.mean)
-    renderer = restirpg.Renderer(scene, g, size=(FACE, FACE), seed=2)
-    renderer.set_everywhere("bounces", bounces - 1)
-    x, y, normal = point.frame
-    place = (np.arange(FACE) + 0.5) / FACE * 2 - 1
-    right, up = np.meshgrid(place, -place)
-    directions, weights = [], []
-    for forward, above in ((normal, x), (x, normal), (-x, normal), (y, normal), (-y, normal)):
-        renderer.cut()
-        eye = point.position + 1e-4 * normal
-        renderer.move_camera(position=eye, target=eye + forward, up=above, yfov=np.pi / 2)
-        renderer.render(FACE_FRAMES)
-        d = forward + right[..., None] * np.cross(forward, above) + up[..., None] * above
-        length = np.linalg.norm(d, axis=-1)
-        directions.append((d / length[..., None]).reshape(-1, 3))
-        solid_angle = length**-3.0
-        weights.append(
-            (renderer.output("image") @ LUMINANCE * solid_angle * np.maximum(d @ normal / length, 0)).ravel()
-        )
-    return point.histogram(np.concatenate(directions), np.concatenate(weights))
-
-
-def divergence(histogram, product):
-    """Kullback and Leibler's, of the histogram from the product, nats. A bin where the product is 0 counts as
-    a thousandth of a bin."""
-    q = np.maximum(product, 1e-3 / product.size)
-    return float((histogram * np.log(np.maximum(histogram, 1e-30) / (q / q.sum()))).sum())
-
-
-def measure(samples, point, product, random):
-    """[(frames, samples, effective samples, divergence, least divergence, chi-square over degrees of
-    freedom)], frames doubling."""
-    rows, frames = [], 1
-    while frames <= len(samples):
-        directions = np.concatenate([d for d, _ in samples[:frames]])
-        weights = np.concatenate([w for _, w in samples[:frames]])
-        if len(weights):
-            effective = weights.sum() ** 2 / (weights**2).sum()
-            histogram, n = point.histogram(directions, weights), max(round(effective), 1)
-            draws = random.multinomial(n, product.ravel(), 20) / n
-            least = np.mean([divergence(draw.reshape(product.shape), product) for draw in draws])
-            wide = product * n >= 5
-            score = (
-                n * ((histogram - product)[wide] ** 2 / product[wide]).sum() / max(wide.sum() - 1, 1)
-                if wide.sum() > 1
-                else np.nan
-            )
-            rows.append((frames, len(weights), effective, divergence(histogram, product), least, score))
-        frames *= 2
-    return rows
-
-
-def lobes_in(mixture, point):
-    """The mixture's mass in each bin, normalised over the hemisphere."""
-    fine = 8
-    z = 1 - (np.arange(ROWS * fine) + 0.5) / (ROWS * fine)
-    phi = (np.arange(COLUMNS * fine) + 0.5) / (COLUMNS * fine) * 2 * np.pi - np.pi
-    z, phi = np.meshgrid(z, phi, indexing="ij")
-    r = np.sqrt(1 - z * z)
-    w = np.stack([r * np.cos(phi), r * np.sin(phi), z], -1).reshape(-1, 3) @ point.frame
-    density = np.exp(mixture.log_density(w)).reshape(ROWS, fine, COLUMNS, fine).sum((1, 3))
-    return density / density.sum()
-
-
-def draw(file, arguments, maps):
-    """One row a pixel: product, directions, lobes; densities on one scale a row."""
-    figure, axes = plt.subplots(len(maps), 3, figsize=(12, 1.2 + 1.5 * len(maps)), squeeze=False)
-    for row, (pixel, pictures) in enumerate(zip(arguments.pixel, maps)):
-        top = max(np.quantile(pictures[0], 0.99), 1e-12)
-        for axis, picture, title in zip(axes[row], pictures, ("L_i cos", "directions", "fitted lobes")):
-            axis.set_xticks([])
-            axis.set_yticks([])
-            if picture is not None:
-                axis.imshow(picture, vmin=0, vmax=top, cmap="magma", aspect="auto", extent=(-180, 180, 0, 1))
-            axis.set_title(f"pixel {pixel[0]} {pixel[1]}: {title}", fontsize=9)
-    figure.tight_layout()
-    file.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(file, dpi=90)
 
 
 def parse():
@@ -241,16 +47,24 @@ def parse():
 def main():
     arguments = parse()
     scene = restirpg.load_scene(arguments.scene)
-    points, samples, mixtures = learn(arguments, scene)
+    try:
+        points, samples, mixtures = guide_maps.learn(
+            scene, restirpg.load_graph(arguments.graph).description, arguments.pixel, arguments.size,
+            arguments.frames, cell_size=arguments.cell_size, raw=arguments.raw,
+        )  # fmt: skip
+    except UserError as error:
+        sys.exit(f"see_guide.py: {error}")
     lines, maps, random = [], [], np.random.default_rng(1)
     for pixel, point, mine, mixture in zip(arguments.pixel, points, samples, mixtures):
-        product = product_at(point, scene, scene.bounce_cap or 8)
-        for row in measure(mine, point, product, random):
+        product = guide_maps.product_at(point, scene, scene.bounce_cap or 8)
+        for frames, count, effective, histogram in guide_maps.histograms(mine, point):
+            row = (frames, count, effective, *guide_maps.score(histogram, effective, product, random))
             lines.append("| {} {} | {} | {} | {:.0f} | {:.3f} | {:.3f} | {:.1f} |".format(*pixel, *row))
         directions = point.histogram(
             np.concatenate([d for d, _ in mine]), np.concatenate([w for _, w in mine])
         )
-        maps.append((product, directions, lobes_in(mixture, point) if mixture else None))
+        lobes = guide_maps.lobes_in(mixture, point) if mixture else None
+        maps.append((f"pixel {pixel[0]} {pixel[1]}", (product, directions, lobes)))
     head = [
         "| pixel | frames | samples | effective | KL | KL by chance | chi-square / dof |",
         "| --- | --- | --- | --- | --- | --- | --- |",
@@ -258,7 +72,8 @@ def main():
     print("\n".join(head + lines))
     if arguments.markdown:
         arguments.markdown.write_text("\n".join(head + lines) + "\n")
-    draw(arguments.o, arguments, maps)
+    arguments.o.parent.mkdir(parents=True, exist_ok=True)
+    guide_maps.draw(maps, ("L_i cos", "directions", "fitted lobes")).savefig(arguments.o, dpi=90)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ themselves (what a sample sees), sum n^2 / sum n. [Zeng et al. 2025, table 1]
 """
 
 import argparse
+import json
 import subprocess
 import sys
 import tempfile
@@ -20,54 +21,22 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
-import numpy as np  # noqa: E402
-import restirpg  # noqa: E402
-from harness.guiding import SUMS, VALID, VERTEX, grid_of, read_table  # noqa: E402
+from harness import cell_counts, render  # noqa: E402
 
 SCENES = ["door_ajar", "door_ajar_diffuse", "bidirectional_room", "living_room", "temple"]
-PORTS = {"ReSTIR": "reuse.vertices", "raw": "paths.vertices"}
-FIRST, LAST = 8, 12  # frames that are counted: reuse has settled
-
-
-def counts_of(renderer, port):
-    """{key: samples} of the last frame."""
-    grid = grid_of(read_table(renderer.read_port("splat.statistics"), SUMS)[0])
-    v = renderer.read_port(port).view(VERTEX)
-    v = v[v["surface"] & VALID != 0]
-    keys = grid.keys(grid.positions(v["position"]), v["surface"] >> 16 & 7, v["surface"] & 0xFFFF)[0]
-    return dict(zip(*np.unique(keys, return_counts=True)))
-
-
-def averages(mine, other):
-    """Means over the cells of `mine`, over those of both, and weighted by the samples."""
-    n = np.array(list(mine.values()), float)
-    return n.mean(), n.sum() / len(mine.keys() | other.keys()), (n**2).sum() / n.sum()
-
-
-def measure(scene, size):
-    """One row: {method: averages}, means over the counted frames; and the last frame's numbers of cells."""
-    renderer = restirpg.Renderer(
-        scene, restirpg.load_graph(ROOT / "graphs" / "restir_pg.py"), size=size, seed=1
-    )
-    renderer.set("paths.alpha", 1.0)
-    renderer.render(FIRST - 1)
-    rows = []
-    for _ in range(FIRST, LAST + 1):
-        renderer.render(1)
-        counts = {method: counts_of(renderer, port) for method, port in PORTS.items()}
-        rows.append([averages(counts["ReSTIR"], counts["raw"]), averages(counts["raw"], counts["ReSTIR"])])
-    return np.mean(rows, 0), len(counts["ReSTIR"]), len(counts["raw"])
+GRAPH = str(ROOT / "graphs" / "restir_pg.py")
 
 
 def load(name, folder):
+    """The file of a scene, an embedded one written to `folder`."""
     if Path(name).is_file():
-        return restirpg.load_scene(name)
+        return name
     subprocess.run(
         [sys.executable, ROOT / "scripts" / "make_scenes.py", name, "--out", folder],
         check=True,
         stdout=subprocess.DEVNULL,
     )
-    return restirpg.load_scene(Path(folder) / f"{name}.glb")
+    return str(Path(folder) / f"{name}.glb")
 
 
 def main():
@@ -82,9 +51,12 @@ def main():
         "| scene | cells, ReSTIR / raw | own cells | cells of either | sample-weighted |",
         "| --- | --- | --- | --- | --- |",
     ]
+    render.find_package()
+    description = json.dumps(render.describe_graph(GRAPH))
     with tempfile.TemporaryDirectory() as folder:
         for name in arguments.scene:
-            (restir, raw), cells, raw_cells = measure(load(name, folder), arguments.size)
+            found = cell_counts.measure(load(name, folder), description, arguments.size, seed=1)
+            (restir, raw), (cells, raw_cells) = found["averages"].mean(0), found["cells"][-1]
             pairs = " | ".join(f"{a:.2f} / {b:.2f} ({a / b:.1f})" for a, b in zip(restir, raw))
             lines.append(f"| {Path(name).stem} | {cells} / {raw_cells} | {pairs} |")
             print(lines[-1], flush=True)

@@ -46,23 +46,26 @@ void add_memory(inout GuidingMemory m, GuidingMemory other, float factor)
     m.count += factor * other.count;
 }
 
+/// The sums by lobe. A cell without lobes of its own explained its samples by all of a new mixture: what fell to lobes that are not
+/// to be used counts for those that are.
 FitSums fit_sums(GuidingMemory m)
 {
-    FitSums s;
-    for (uint k = 0u; k < GUIDING_LOBES; ++k) {
-        s.x[k] = m.sums[4u * k];
-        s.y[k] = m.sums[4u * k + 1u];
-        s.z[k] = m.sums[4u * k + 2u];
-        s.share[k] = m.sums[4u * k + 3u];
+    FitSums s = FitSums(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), m.count);
+    for (uint i = 0u; i < GUIDING_LOBES; ++i) {
+        uint k = i % params.lobes;
+        s.x[k] += m.sums[4u * i];
+        s.y[k] += m.sums[4u * i + 1u];
+        s.z[k] += m.sums[4u * i + 2u];
+        s.share[k] += m.sums[4u * i + 3u];
     }
-    s.count = m.count;
     return s;
 }
 
 VmfMixture fit(GuidingMemory sums, VmfMixture before, uint64_t strangest)
 {
-    VmfMixture m = fit_mixture(fit_sums(sums), before, FitPriors(params.weightPrior, params.concentrationPrior, params.largestKappa));
-    uint idle = params.reseeds != 0u ? find_idle_lobe(m) : GUIDING_LOBES;
+    FitPriors priors = FitPriors(params.lobes, params.weightPrior, params.concentrationPrior, params.largestKappa);
+    VmfMixture m = fit_mixture(fit_sums(sums), before, priors);
+    uint idle = params.reseeds != 0u ? find_idle_lobe(m, params.lobes) : GUIDING_LOBES;
     return idle < GUIDING_LOBES ? reseed_lobe(m, idle, unpack_direction(uint(strangest))) : m;
 }
 

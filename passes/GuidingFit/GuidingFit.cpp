@@ -21,6 +21,7 @@ public:
         io.knob("decay", decay_, 0, 0.999f, "what the sums of earlier frames weigh a frame later (Zeng et al. 2025: 0)");
         io.structural();
         io.knob("oldest", oldest_, 0, 10000, "frames that a cell goes on guiding without being fitted again");
+        io.knob("lobes", lobes_, 1, GUIDING_LOBES, "of a cell's mixture; the others have no weight (Zeng et al. 2025: 4)");
         io.knob("weight_prior", weightPrior_, 0, 1000, "samples that each lobe is thought to have had");
         io.knob("concentration_prior", concentrationPrior_, 0, 1000, "samples of each lobe that are thought to have pointed everywhere");
         io.knob("largest_kappa", largestKappa_, 1, 32000, "most concentrated lobe");
@@ -54,6 +55,7 @@ public:
                                               pool_,
                                               reseed_,
                                               oldest_,
+                                              lobes_,
                                               decay_,
                                               minimum_,
                                               weightPrior_,
@@ -83,6 +85,7 @@ private:
     bool pool_ = true;
     float decay_ = 0;
     uint32_t oldest_ = 16;
+    uint32_t lobes_ = GUIDING_LOBES;
     float weightPrior_ = 0.1f;
     float concentrationPrior_ = 1;
     float largestKappa_ = 32000;

@@ -16,6 +16,7 @@ struct GuidingFitParameters {
     uint pools;  ///< 1: a cell with too few samples keeps them for the next frame
     uint reseeds;  ///< 1: lobes that explain nothing move to the strangest sample
     uint oldest;  ///< frames that a cell guides without being fitted again
+    uint lobes;  ///< that may have weight, 1 to GUIDING_LOBES
     float decay;  ///< of the sums, a frame
     float minimum;  ///< samples
     float weightPrior;

@@ -12,6 +12,7 @@ struct FitSums {
 };
 
 struct FitPriors {
+    uint lobes;  ///< that may have weight: the first of the mixture
     float weight;  ///< samples that each lobe is thought to have had
     float concentration;  ///< samples that are thought to have pointed everywhere
     float largest_kappa;
@@ -40,8 +41,8 @@ VmfMixture fit_mixture(FitSums sums, VmfMixture before, FitPriors priors)
     // The mean cosine, not kappa, is clamped: near 1 it has too few digits left.
     float largest_cosine = 1.0 - 1.0 / priors.largest_kappa;
     VmfMixture m = before;
-    m.weight = (priors.weight + sums.share) / (float(GUIDING_LOBES) * priors.weight + sums.count);
     for (uint k = 0u; k < GUIDING_LOBES; ++k) {
+        m.weight[k] = k < priors.lobes ? (priors.weight + sums.share[k]) / (float(priors.lobes) * priors.weight + sums.count) : 0.0;
         vec3 r = vec3(sums.x[k], sums.y[k], sums.z[k]);
         float len = length(r);
         float effective = m.weight[k] * sums.count;
@@ -63,13 +64,13 @@ bool are_twins(VmfMixture m, uint i, uint j)
     return dot(lobe_direction(m, i), lobe_direction(m, j)) > TWIN_COSINE && ratio < TWIN_KAPPA_RATIO;
 }
 
-/// The lobe that does least, when it does nothing; GUIDING_LOBES: none.
-uint find_idle_lobe(VmfMixture m)
+/// The one of the first `lobes` that does least, when it does nothing; GUIDING_LOBES: none.
+uint find_idle_lobe(VmfMixture m, uint lobes)
 {
     uint idle = GUIDING_LOBES;
-    for (uint k = 0u; k < GUIDING_LOBES; ++k) {
+    for (uint k = 0u; k < lobes; ++k) {
         bool useless = m.weight[k] < IDLE_WEIGHT;
-        for (uint j = 0u; j < GUIDING_LOBES; ++j)
+        for (uint j = 0u; j < lobes; ++j)
             useless = useless || (j != k && m.weight[k] <= m.weight[j] && are_twins(m, k, j));
         if (useless && (idle == GUIDING_LOBES || m.weight[k] < m.weight[idle]))
             idle = k;

@@ -115,7 +115,7 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(GuidingSplatParameters, frame, vertices, samples, guide, statistics, stride, capacity, finalEdges, incident,
            parallax, cellSize, smallestCell),
     LAYOUT(GuidingFitParameters, frame, statistics, history, guide, capacity, options, remembers, pools, reseeds,
-           oldest, decay, minimum, weightPrior, concentrationPrior, largestKappa),
+           oldest, lobes, decay, minimum, weightPrior, concentrationPrior, largestKappa),
     LAYOUT(GuidingViewParameters, frame, surface, guide, image, show),
     LAYOUT(ToneMapParameters, frame, image, display, gain, white, curve),
     LAYOUT(LightPoint, instance, index, place),

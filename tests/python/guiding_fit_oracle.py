@@ -23,9 +23,13 @@ from guiding_oracle import (
 
 
 def m_step(sums, count, before, knobs):
-    """The MAP mixture of sums (4, 4) over `count` samples.  [ALGORITHMS 3.2]"""
+    """The MAP mixture of sums (4, 4) over `count` samples, of the first `lobes` lobes; what the others
+    explained counts for those.  [ALGORITHMS 3.2]"""
+    lobes = knobs["lobes"]
+    sums = np.array([sums[k::lobes].sum(0) if k < lobes else np.zeros(4) for k in range(LOBES)])
     share = sums[:, 3]
-    weight = (knobs["weight_prior"] + share) / (LOBES * knobs["weight_prior"] + count)
+    weight = (knobs["weight_prior"] + share) / (lobes * knobs["weight_prior"] + count)
+    weight[lobes:] = 0
     length = np.linalg.norm(sums[:, :3], axis=-1)
     mine = weight * count
     cosine = length / np.maximum(share, 1e-20) * mine / (knobs["concentration_prior"] + mine)
@@ -35,22 +39,23 @@ def m_step(sums, count, before, knobs):
     return Mixture(mu, np.where(kappa < 1e-3, 0, kappa), weight)
 
 
-def reseed(m, strangest):
-    """Move the lightest lobe that is below 2% or another's twin (cosine above 0.999, kappas within 1.5 times)
-    to the direction `strangest`.  [ALGORITHMS 3.4] Returns the mixture, and by how little a threshold was
-    passed or missed."""
-    cosines = m.mu @ m.mu.T
-    ratio = np.maximum.outer(m.kappa, m.kappa) / np.maximum(np.minimum.outer(m.kappa, m.kappa), 1e-20)
-    lighter = (m.weight[:, None] <= m.weight) & ~np.eye(LOBES, dtype=bool)
+def reseed(m, strangest, lobes):
+    """Move the lightest of the first `lobes` lobes that is below 2% or another's twin (cosine above 0.999,
+    kappas within 1.5 times) to the direction `strangest`.  [ALGORITHMS 3.4] Returns the mixture, and by how
+    little a threshold was passed or missed."""
+    mu, kappa, weight = m.mu[:lobes], m.kappa[:lobes], m.weight[:lobes]
+    cosines = mu @ mu.T
+    ratio = np.maximum.outer(kappa, kappa) / np.maximum(np.minimum.outer(kappa, kappa), 1e-20)
+    lighter = (weight[:, None] <= weight) & ~np.eye(lobes, dtype=bool)
     twins = (cosines > 0.999) & (ratio < 1.5) & lighter
     margins = [
-        np.abs(m.weight - 0.02).min(),
-        np.abs(cosines - 0.999)[lighter].min(),
-        np.abs(ratio[lighter] / 1.5 - 1).min(),
+        np.abs(weight - 0.02).min(),
+        np.abs(cosines - 0.999)[lighter].min(initial=1.0),
+        np.abs(ratio[lighter] / 1.5 - 1).min(initial=1.0),
     ]
-    idle = np.flatnonzero((m.weight < 0.02) | twins.any(1))
+    idle = np.flatnonzero((weight < 0.02) | twins.any(1))
     if len(idle):
-        order = np.sort(m.weight[idle])
+        order = np.sort(weight[idle])
         margins.append(np.ptp(order[:2]) if len(order) > 1 else 1.0)
         k = idle[np.argmin(m.weight[idle])]
         m.mu[k], m.kappa[k], m.weight[k] = strangest, 10.0, 0.1
@@ -103,7 +108,9 @@ def fit_cell(key, statistics, grid, before, cells, knobs):
         mixture = m_step(memory[:16].reshape(LOBES, 4), memory[16], mixture, knobs)
         if knobs["reseed"]:
             mixture, margin = reseed(
-                mixture, unpack_direction(np.uint32(sums["strangest"] & np.uint64(0xFFFFFFFF)))
+                mixture,
+                unpack_direction(np.uint32(sums["strangest"] & np.uint64(0xFFFFFFFF))),
+                knobs["lobes"],
             )
             doubtful = doubtful or margin < 1e-4
         age, samples, kept = 0, memory[16], knobs["decay"]

@@ -113,6 +113,7 @@ CASES = {
         "restir_pg",
         {"splat__incident": True, "splat__final_edges": "scattered"},
     ),
+    "two lobes": ("door_ajar", "restir_pg", {"fit__lobes": 2}),
     "neither pool nor memory": (
         "cornell_box",
         "restir_pg",

@@ -86,7 +86,7 @@ def test_the_oracle_itself_climbs(scene):  # noqa: F811
             m.shares(w).T @ np.c_[w, np.ones(len(w))],
             len(w),
             m,
-            {"weight_prior": 0.1, "concentration_prior": 1.0, "largest_kappa": 32000.0},
+            {"lobes": 4, "weight_prior": 0.1, "concentration_prior": 1.0, "largest_kappa": 32000.0},
         )
     assert min(np.diff(scores)) > -1e-3 and scores[-1] > scores[0] + 0.5
 

@@ -1,0 +1,5 @@
+"""ReSTIR PT guided by its candidates, one path a pixel before any reuse: what ReSTIR PG learns from, less the reuse. An ablation."""
+
+from pipeline import pipeline
+
+graph = pipeline("Guided by candidates", train="candidates")

@@ -1,0 +1,66 @@
+"""How many samples a cell of the guiding grid gets in a frame, from the paths that ReSTIR PT selected and from
+its raw candidates.
+
+A sample is a smooth bounce of a path that carries light. Candidates are unguided here (alpha = 1), so that
+both see the same frames. [Zeng et al. 2025, table 1]
+"""
+
+import json
+
+import numpy as np
+
+from harness.guiding import CELL, HEADER, MEMORY, SUMS, VALID, VERTEX, grid_of, read_table
+
+PORTS = {"ReSTIR": "reuse.vertices", "raw": "paths.vertices"}
+KEY_BYTES = 8
+BYTES = {
+    "vertex": VERTEX.itemsize,
+    "guide": KEY_BYTES + CELL.itemsize + MEMORY.itemsize,  # a cell's lobes, and what it remembers
+    "statistics": KEY_BYTES + SUMS.itemsize,  # of a cell, in one frame
+}
+
+
+def counts_of(renderer, port):
+    """{key: samples} of the last frame."""
+    grid = grid_of(read_table(renderer.read_port("splat.statistics"), SUMS)[0])
+    v = renderer.read_port(port).view(VERTEX)
+    v = v[v["surface"] & VALID != 0]
+    keys = grid.keys(grid.positions(v["position"]), v["surface"] >> 16 & 7, v["surface"] & 0xFFFF)[0]
+    return dict(zip(*np.unique(keys, return_counts=True)))
+
+
+def averages(mine, other):
+    """Means over the cells of `mine`, over those of both, and weighted by the samples: sum n^2 / sum n."""
+    n = np.array(list(mine.values()), float)
+    if not n.size:
+        return 0.0, 0.0, 0.0
+    return n.mean(), n.sum() / len(mine.keys() | other.keys()), (n**2).sum() / n.sum()
+
+
+def measure(scene, description, size, seed, bounces=None, first=8, last=12):
+    """Frames `first` to `last` of a run of ReSTIR PG, a graph's description as JSON: `averages` (frames, 2, 3)
+    of ReSTIR and raw, `cells` (frames, 2) that they touched, `guiding` (frames,): cells fit to guide.
+    """
+    import restirpg
+
+    renderer = restirpg.Renderer(
+        restirpg.load_scene(scene), json.loads(description), size=tuple(size), seed=seed
+    )
+    if bounces:
+        renderer.set_everywhere("bounces", bounces)
+    renderer.set("paths.alpha", 1.0)
+    renderer.render(first - 1)
+    found, cells, guiding = [], [], []
+    for _ in range(first, last + 1):
+        renderer.render(1)
+        restir, raw = (counts_of(renderer, port) for port in PORTS.values())
+        found.append([averages(restir, raw), averages(raw, restir)])
+        cells.append([len(restir), len(raw)])
+        header = renderer.read_port("fit.guide")[: HEADER.itemsize].view(HEADER)[0]
+        guiding.append(int(header["guiding"]))
+    return {
+        "averages": np.array(found),
+        "cells": np.array(cells),
+        "guiding": np.array(guiding),
+        "meta": {"bytes": BYTES},
+    }

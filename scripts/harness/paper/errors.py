@@ -1,0 +1,74 @@
+"""Errors of a study's methods by seed, and their tables: single frames, as the paper shows, and means of all."""
+
+import numpy as np
+
+from harness import statistics as st
+from harness.paper.page import Estimate, Table, percent
+from harness.paper.paper import name_of
+
+SETTLED = 0.5  # of a run's frames, the last ones, count as single frames: reuse and guide have settled
+
+
+def single_frames(run):
+    """Mean MAPE of a run's settled single frames."""
+    errors = run["frame_mape"]
+    return float(np.nanmean(errors[len(errors) - max(1, round(SETTLED * len(errors))) :]))
+
+
+def by_seed(runs, measure):
+    """{label: (seeds,)} of a SceneRuns; `measure`: "frame", single frames, or "mean", of all frames together."""
+    value = single_frames if measure == "frame" else lambda run: float(run["mape"][-1])
+    return {label: np.array([value(run) for run in seeds]) for label, seeds in runs.runs.items()}
+
+
+def change(values, baseline):
+    """Mean of a seed's ratio less one, and its standard error."""
+    return percent(*st.mean_se(values / baseline - 1))
+
+
+def verdicts(groups):
+    """Words for [(values, baseline)], both by seed: tests paired by seed, corrected (Holm) over all of them."""
+    tests = [st.paired(values, baseline) for values, baseline in groups]
+    words = []
+    for test, p in zip(tests, st.holm([test.p for test in tests]) if tests else []):
+        if np.isnan(p):
+            words.append("not tested")
+        elif p >= st.LEVEL:
+            words.append(f"not different (p = {p:.2g})")
+        else:
+            words.append(f"{'lower' if test.difference < 0 else 'higher'} (p = {max(p, 1e-99):.2g})")
+    return words
+
+
+def table(name, title, results, methods):
+    """Scenes and methods by rows: MAPE of single frames, of the mean of all, and at equal time.
+
+    Changes are against the first method of each scene's runs. Words are about single frames.
+    """
+    header = (
+        "scene", "method", "MAPE, one frame", "change, one frame", "tested, one frame", "MAPE, mean of all frames", "change, mean",
+        "MAPE at equal time", "GPU ms/frame",
+    )  # fmt: skip
+    rows, groups = [], []
+    for runs, findings in zip(results.runs, results.findings):
+        frame, mean = by_seed(runs, "frame"), by_seed(runs, "mean")
+        first = findings.methods[0].label
+        found = {method.label: method for method in findings.methods}
+        for label in (method.label for method in methods if method.label in found):
+            own = found[label]
+            row = [name_of(runs.scene), label, percent(*st.mean_se(frame[label]))]
+            if label == first:
+                row += ["", "baseline"]
+            else:
+                groups.append((frame[label], frame[first]))
+                row += [change(frame[label], frame[first]), None]
+            row += [percent(*st.mean_se(mean[label])), "" if label == first else change(mean[label], mean[first])]
+            row += [percent(*own.equal_time["mape"]), milliseconds(own)]
+            rows.append(row)
+    words = iter(verdicts(groups))
+    return Table(name, title, header, [[next(words) if cell is None else cell for cell in row] for row in rows])
+
+
+def milliseconds(method):
+    """GPU time of a frame, over seeds."""
+    return Estimate(*(float(value) for value in st.mean_se(method.gpu_ms[:, -1] / method.frames[-1])))

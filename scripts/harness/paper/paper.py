@@ -1,0 +1,167 @@
+"""What the figures share: sizes, scenes, methods, and runs and calls that are kept in one cache."""
+
+import json
+import subprocess
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from harness import UserError, analysis, render, report, scenes, tables
+from harness.comparison import Comparison, Settings
+from harness.jobs import Call, Method
+
+GRAPHS = render.ROOT / "graphs"
+PATH_TRACER = str(GRAPHS / "path_tracer.py")
+
+
+def method(graph, label, **knobs):
+    """A graph of graphs/; a knob "splat__cell_size" is the pass's `splat.cell_size`."""
+    settings = tuple((name.replace("__", "."), value) for name, value in knobs.items())
+    return Method(label, str(GRAPHS / f"{graph}.py"), settings)
+
+
+UNGUIDED = method("restir_pt", "without guiding")
+OURS = method("restir_pg", "ReSTIR PG")
+RUPPERT = method("raw_pt_ruppert2020", "Ruppert 2020")
+DEREVYANNYKH = method("raw_pt_derevyannykh2022", "Derevyannykh 2022")
+METHODS = (UNGUIDED, DEREVYANNYKH, RUPPERT, OURS)  # the first is what the others are tested against
+SHOWN = (DEREVYANNYKH, RUPPERT, UNGUIDED, OURS)  # from left to right, as in the paper
+
+
+@dataclass(frozen=True)
+class Size:
+    """How large an evaluation is."""
+
+    name: str
+    size: tuple  # width, height
+    seeds: int
+    frames: int
+    reference_frames: int  # of the path tracer, over all batches
+    scenes: tuple
+    ablation_scenes: int  # the first of the scenes
+    motion_reference_frames: int  # for each frame that is compared
+    points: int = 5  # of figure 4
+    reference_batches: int = 16
+
+
+SCENES = ("door_ajar", "bidirectional_room", "living_room", "temple", "glass_pavilion")
+QUICK = Size("quick", (96, 54), 4, 32, 2048, SCENES[:3], 1, 512, points=3)
+DEFAULT = Size("default", (160, 90), 8, 32, 4096, SCENES, 2, 1024)
+FULL = Size("full", (480, 270), 4, 64, 4096, SCENES, 1, 1024)
+
+
+@dataclass(frozen=True)
+class Study:
+    """A comparison: methods on scenes, all with the same seeds."""
+
+    methods: tuple
+    scenes: tuple  # names or files
+    changes: tuple = ()  # ((field of Settings, value), ...): what differs from the evaluation's settings
+
+
+@dataclass(frozen=True)
+class Results:
+    """A finished study. `runs`: a SceneRuns each scene; `findings`: a SceneFindings each, in the same order."""
+
+    runs: list
+    findings: list
+
+    def of(self, scene):
+        """(SceneRuns, SceneFindings) of a scene, by the file's name without its ending."""
+        for runs, findings in zip(self.runs, self.findings):
+            if Path(runs.scene).stem == scene:
+                return runs, findings
+        raise KeyError(scene)
+
+
+class Paper:
+    """One evaluation: its size and folder, and what has been measured for it so far."""
+
+    def __init__(self, size, out, cache, pool, display, chosen=None):
+        self.size, self.out, self.cache, self.pool, self.display = size, Path(out), cache, pool, display
+        self.chosen = tuple(chosen or ())  # scenes that the user named, in place of those of the figures
+        self.failures, self.devices, self.code = [], {}, render.code_version()
+        self._results, self._files = {}, {}
+        self.out.mkdir(parents=True, exist_ok=True)
+
+    def scenes(self, *own):
+        """Names or files: the user's, or `own`, or the evaluation's."""
+        return self.chosen or own or self.size.scenes
+
+    def file(self, scene):
+        """The file of a scene by name or path; an embedded one is written into the folder `scenes`."""
+        if scene not in self._files:
+            self._files[scene] = scene if Path(scene).is_file() else self._embedded(scene)
+        return self._files[scene]
+
+    def _embedded(self, name):
+        folder = self.out / "scenes"
+        script = render.ROOT / "scripts" / "make_scenes.py"
+        run = subprocess.run(
+            [sys.executable, script, name, "--out", folder], capture_output=True, text=True, check=False
+        )
+        if run.returncode:
+            lines = run.stderr.strip().splitlines() or [f"{name}: the scene cannot be made"]
+            raise UserError(f"{lines[-1].removeprefix('make_scenes.py: ')}; or give a .glb or .gltf file")
+        return str(folder / f"{name}.glb")
+
+    def settings(self, study):
+        """The study as the harness's Settings."""
+        size = self.size
+        settings = Settings(
+            methods=study.methods,
+            scenes=tuple(self.file(scene) for scene in study.scenes),
+            size=size.size,
+            frames=size.frames,
+            seeds=size.seeds,
+            reference_graph=PATH_TRACER,
+            reference_frames=size.reference_frames,
+            reference_batches=size.reference_batches,
+        )
+        return replace(settings, **dict(study.changes))
+
+    def compare(self, study, folder=None):
+        """Run what is missing of a study; its CSV and EXR files go to `folder`, if one is named."""
+        if study not in self._results:
+            comparison = Comparison(self.settings(study), self.cache, self.pool, self.display)
+            comparison.prepare()
+            self.devices.update(comparison.device)
+            runs = [scene for scene in comparison.run() if scene.runs]
+            self.failures += [line for line in comparison.failures if line not in self.failures]
+            self._results[study] = Results(runs, analysis.analyse(runs))
+        results = self._results[study]
+        if folder:
+            (self.out / folder).mkdir(parents=True, exist_ok=True)
+            tables.write_csv(results.findings, self.out / folder)
+            report.write_pictures(results.findings, self.out / folder)
+        return results
+
+    def call(self, function, scene, graph, **settings):
+        """A Call of `function` on a scene, to be given to `answers`.
+
+        Besides `settings` the function is given the graph's `description`, the picture's `size` and the scene's
+        cap of `bounces`.
+        """
+        file = self.file(scene)
+        settings |= {
+            "description": json.dumps(render.describe_graph(graph), sort_keys=True),
+            "size": self.size.size,
+            "bounces": scenes.bounce_cap(file),
+        }
+        content = scenes.content_hash(file)
+        label = f"{Path(file).stem}, {function.__module__.rpartition('.')[2]}"
+        return Call(function, file, content, tuple(sorted(settings.items())), self.code, label)
+
+    def answers(self, calls):
+        """The calls' results in order, None for one that failed; what is not in the cache is measured."""
+        missing = [call for call in dict.fromkeys(calls) if self.cache.load(call.key) is None]
+        for number, (call, failure, _) in enumerate(self.pool.run(missing, kind="call"), 1):
+            if failure:
+                self.failures.append(f"{call.label}: {failure}")
+            self.display.message(f"{call.label}: {number} of {len(missing)}{' failed' if failure else ''}")
+        return [self.cache.load(call.key) for call in calls]
+
+
+def name_of(scene):
+    """What a scene is called in tables, figures and file names."""
+    return Path(scene).stem

@@ -1,0 +1,41 @@
+"""What the harness's programs share: arguments of the command line, and how each ends."""
+
+import argparse
+import sys
+
+from harness import UserError
+from harness.display import Display
+
+
+def size(text):
+    """`WxH` in pixels."""
+    width, _, height = text.partition("x")
+    if not (width.isdigit() and height.isdigit() and 8 <= int(width) <= 16384 and 8 <= int(height) <= 16384):
+        raise argparse.ArgumentTypeError(f"'{text}' is not WIDTHxHEIGHT of at least 8x8, as in 160x90")
+    return int(width), int(height)
+
+
+def positive(text):
+    """A whole number of at least 1."""
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least 1")
+    return int(text)
+
+
+def run(name, body):
+    """body(display)'s exit code; 2 and one line for a user's mistake, 130 after Ctrl-C."""
+    display = Display()
+    try:
+        return body(display)
+    except UserError as error:
+        display.stop()
+        print(f"{name}: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        display.stop()
+        print(f"{name}: {error}; choose another folder with --out", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        display.stop()
+        print("\ninterrupted; finished runs are kept: the same command goes on from here", file=sys.stderr)
+        return 130
