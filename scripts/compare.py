@@ -26,7 +26,7 @@ from harness.comparison import PATH_TRACER, Comparison, Settings  # noqa: E402
 from harness.display import Display  # noqa: E402
 from harness.jobs import Cache, parse_method  # noqa: E402
 from harness.motion import Motion  # noqa: E402
-from harness.workers import Pool  # noqa: E402
+from harness.workers import open_pool  # noqa: E402
 
 
 def size(text):
@@ -136,6 +136,12 @@ def parse(arguments):
         default=1,
         help="runs at a time: more than one spoils the times (%(default)s)",
     )
+    add(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="run on the workers of this Dask scheduler, as tcp://head:8786, in place of --jobs; they must see the "
+        "repository, its build, scenes, graphs and the cache under the same paths",
+    )
     add("--out", default="out/compare", help="folder of the report, CSV and EXR files (%(default)s)")
     add("--cache", help="folder of finished runs (OUT/cache)")
     add(
@@ -210,7 +216,8 @@ def main(arguments):
         render.find_package()
         cache = Cache(options.cache or Path(options.out) / "cache")
         # Nothing is timed in the self-test, and most of a small run is one core's work.
-        with Pool(cache.folder, os.cpu_count() if options.self_test else options.jobs) as pool:
+        count = os.cpu_count() if options.self_test else options.jobs
+        with open_pool(cache.folder, count, options.scheduler) as pool:
             return (selftest.run if options.self_test else compare)(options, cache, pool, display)
     except UserError as error:
         display.stop()

@@ -282,6 +282,9 @@ class Comparison:
             left_out = self.settings.seeds - len(seeds)
             warnings.append(f"{left_out} of {self.settings.seeds} seeds are left out: a run failed")
         for label, by_seed in runs.items():
+            devices = {", ".join(result["meta"]["device"].values()) for result in by_seed}
+            if len(devices) > 1:
+                warnings.append(f"{label}: its times are those of several devices: {'; '.join(sorted(devices))}")
             if invalid := sum(result["meta"]["invalid"] for result in by_seed):
                 warnings.append(
                     f"{label}: {invalid} pixels of its runs are NaN or infinite and left out of every mean"
