@@ -124,10 +124,11 @@ def _single_frame_tables(scene):
             for method in scene.methods:
                 row.append(with_error(*error_of(method, metric, frame), scale, unit))
                 if method is not baseline:
-                    row.append(verdict(method, baseline, metric, _test_of(scene, frame)))
+                    text = verdict(method, baseline, metric, _test_of(scene, frame))
+                    row.append(text if is_significant(text) else text.split()[0] if text[0] == "×" else "—")
             rows.append(row)
         header = ["frame", baseline.label]
-        header += [text for method in scene.methods[1:] for text in (method.label, "against the first")]
+        header += [text for method in scene.methods[1:] for text in (method.label, "to the first")]
         tables.append((f"{TITLES[metric]} of single frames", header, rows))
     costs = [
         [method.label, *(with_error(*st.mean_se(times[:, -1] / method.frames[-1])) for times in
