@@ -7,6 +7,8 @@
 //   vec3 guide_sample(Guide g, vec3 u);                                    a unit direction in world space, from three numbers; 0: this
 //                                                                          draw has none, and guide_pdf integrates to less than 1
 //   float guide_pdf(Guide g, vec3 w);                                      its density, 1/sr, over the whole sphere
+//   float guide_alpha(Guide g, float alpha);                               probability of sampling the BSDF instead: what it was given,
+//                                                                          the knob of the tracing pass, or what the place has learnt
 //
 // as pure functions: a lookup must give the same answer wherever it is repeated in a frame.
 #ifndef RESTIRPG_GUIDE_GLSL
@@ -45,6 +47,11 @@ vec3 guide_sample(Guide g, vec3 u)
 float guide_pdf(Guide g, vec3 w)
 {
     return 0.0;
+}
+
+float guide_alpha(Guide g, float alpha)
+{
+    return alpha;
 }
 #endif
 

@@ -27,11 +27,12 @@ struct GuidingGrid {
 
 RESTIRPG_CONST GUIDING_COSINE = 1u;  ///< lobes are multiplied by the cosine at lookup
 RESTIRPG_CONST GUIDING_PARALLAX = 2u;  ///< lobes point at distances: they are re-aimed at lookup
+RESTIRPG_CONST GUIDING_ALPHA = 4u;  ///< the BSDF is a component of the mixture, whose weight alpha each cell learns
 
 struct GuidingHeader {
     GuidingGrid grid;
     uint capacity;  ///< slots, a power of two
-    uint options;  ///< GUIDING_* flags
+    uint options;  ///< GUIDING_* flags; of statistics: those of the guide that they were taken against
     // Counts of the frame, for reports.
     uint cells;  ///< occupied slots
     uint collisions;  ///< slots found taken by another key while inserting
@@ -45,6 +46,7 @@ struct GuidingHeader {
 struct GuidingSums {
     Address lanes[16];  ///< lobe k: x, y, z, 1 from 4 k on
     Address strangest;  ///< of the sample that the mixture explains worst: how badly (upper half), and its packed direction
+    Address bsdf;  ///< of the BSDF's responsibilities, with GUIDING_ALPHA
     uint count;  ///< samples
 };
 
@@ -63,13 +65,14 @@ struct GuidingLobe {
 /// 56 bytes; with its key 64 (Zeng et al. 2025: 152 with statistics).
 struct GuidingCell {
     GuidingLobe lobes[4];
-    uint age;  ///< frames since it was last fitted
+    uint state;  ///< frames since it was last fitted (16 bits), alpha in 65535ths
     float samples;  ///< that it was last fitted to; 0: never
 };
 
 /// What a cell remembers of earlier frames, when it does: decayed sums as in GuidingSums, in samples.
 struct GuidingMemory {
     float sums[16];
+    float bsdf;
     float count;
     float places[7];  ///< as GuidingPlaceSums
 };
@@ -77,10 +80,10 @@ struct GuidingMemory {
 // Bytes of the buffers' parts.
 RESTIRPG_CONST GUIDING_HEADER_BYTES = 80u;
 RESTIRPG_CONST GUIDING_KEY_BYTES = 8u;
-RESTIRPG_CONST GUIDING_SUMS_BYTES = 144u;
+RESTIRPG_CONST GUIDING_SUMS_BYTES = 152u;
 RESTIRPG_CONST GUIDING_PLACE_SUMS_BYTES = 56u;
 RESTIRPG_CONST GUIDING_CELL_BYTES = 56u;
-RESTIRPG_CONST GUIDING_MEMORY_BYTES = 96u;
+RESTIRPG_CONST GUIDING_MEMORY_BYTES = 100u;
 
 #ifdef __cplusplus
 static_assert(sizeof(GuidingHeader) <= GUIDING_HEADER_BYTES && sizeof(GuidingSums) == GUIDING_SUMS_BYTES &&

@@ -60,33 +60,35 @@ vec3 face_normal(uint face)
     return n;
 }
 
-/// A positive number on a logarithmic scale of 10 bits: 2^-16 to 2^16 in steps of 2.2%.
-uint pack_scatter(float x)
+/// A positive number on a logarithmic scale of 7 bits: 2^-16 to 2^16 in steps of 19%.
+uint pack_logarithm(float x)
 {
-    return uint(clamp(log2(max(x, 1e-30)) * 32.0 + 512.5, 0.0, 1023.0));
+    return uint(clamp(log2(max(x, 1e-30)) * 4.0 + 64.5, 0.0, 127.0));
 }
 
-float unpack_scatter(uint bits)
+float unpack_logarithm(uint bits)
 {
-    return exp2((float(bits) - 512.0) / 32.0);
+    return exp2((float(bits & ((1u << VERTEX_LOGARITHM_BITS) - 1u)) - 64.0) / 4.0);
 }
 
-/// `scatter`: luminance of f |cos| of the bounce.
-PathVertex make_path_vertex(vec3 position, vec3 normal, uint material, vec3 wi, float scatter)
+/// `scatter`: luminance of f |cos| of the bounce; `density`: the BSDF's own of wi, within the smooth label, 1/sr.
+PathVertex make_path_vertex(vec3 position, vec3 normal, uint material, vec3 wi, float scatter, float density)
 {
-    uint surface = (material & VERTEX_MATERIAL_MASK) | (face_of(normal) << VERTEX_FACE_SHIFT) | VERTEX_VALID |
-                   (pack_scatter(scatter) << VERTEX_SCATTER_SHIFT);
-    return PathVertex(pack_position(position), pack_direction(wi), surface);
+    uvec2 place = pack_position(position);
+    place.y |= (face_of(normal) << VERTEX_FACE_SHIFT) | VERTEX_VALID;
+    uint surface = (material & VERTEX_MATERIAL_MASK) | (pack_logarithm(density) << VERTEX_DENSITY_SHIFT) |
+                   (pack_logarithm(scatter) << VERTEX_SCATTER_SHIFT);
+    return PathVertex(place, pack_direction(wi), surface);
 }
 
 bool is_valid(PathVertex v)
 {
-    return (v.surface & VERTEX_VALID) != 0u;
+    return (v.position.y & VERTEX_VALID) != 0u;
 }
 
 uint vertex_face(PathVertex v)
 {
-    return (v.surface >> VERTEX_FACE_SHIFT) & 7u;
+    return (v.position.y >> VERTEX_FACE_SHIFT) & 7u;
 }
 
 uint vertex_material(PathVertex v)
@@ -96,7 +98,12 @@ uint vertex_material(PathVertex v)
 
 float vertex_scatter(PathVertex v)
 {
-    return unpack_scatter(v.surface >> VERTEX_SCATTER_SHIFT);
+    return unpack_logarithm(v.surface >> VERTEX_SCATTER_SHIFT);
+}
+
+float vertex_density(PathVertex v)
+{
+    return unpack_logarithm(v.surface >> VERTEX_DENSITY_SHIFT);
 }
 
 /// Mark a vertex as the last before the light.

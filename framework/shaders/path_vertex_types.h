@@ -7,21 +7,24 @@ RESTIRPG_SHARED
 /// A smooth bounce of a path: where, and in which direction it leaves. Of pixel p, bounce u >= 1 is number p * stride + u - 1, stride being
 /// the bounce cap + 1. All zero: no bounce, or a sharp one. 16 bytes (Zeng et al. 2025: 52).
 struct PathVertex {
-    uvec2 position;  ///< 21 bits a coordinate in the cube of POSITION_EXTENT radii about the scene's center, x in the lowest bits
+    uvec2 position;  ///< 20 bits a coordinate in the cube of POSITION_EXTENT radii about the scene's center, x in the lowest bits; then
+                     ///< the face (VERTEX_FACE_*) and VERTEX_VALID, in the second word
     uint direction;  ///< packed, see pack_direction
-    uint surface;  ///< material (16 bits), VERTEX_FACE_*, VERTEX_* flags, VERTEX_SCATTER_*
+    uint surface;  ///< material (16 bits), VERTEX_* flags, VERTEX_DENSITY_*, VERTEX_SCATTER_*
 };
 
 /// Side of that cube, in radii of the scene: what moves may leave the sphere.
 RESTIRPG_CONST POSITION_EXTENT = 4u;
-RESTIRPG_CONST POSITION_BITS = 21u;
+RESTIRPG_CONST POSITION_BITS = 20u;
 
 RESTIRPG_CONST VERTEX_MATERIAL_MASK = 0xffffu;
-RESTIRPG_CONST VERTEX_FACE_SHIFT = 16u;  ///< 3 bits: the main axis of the geometric normal on wo's side, and its sign
-RESTIRPG_CONST VERTEX_VALID = 1u << 19u;
-RESTIRPG_CONST VERTEX_FINAL = 1u << 20u;  ///< the edge ends on the light
-RESTIRPG_CONST VERTEX_LIGHT_SAMPLED = 1u << 21u;  ///< ... and next event estimation made it
-RESTIRPG_CONST VERTEX_SCATTER_SHIFT = 22u;  ///< 10 bits: luminance of f |cos|, see pack_scatter
+RESTIRPG_CONST VERTEX_FACE_SHIFT = 28u;  ///< 3 bits: the main axis of the geometric normal on wo's side, and its sign
+RESTIRPG_CONST VERTEX_VALID = 1u << 31u;
+RESTIRPG_CONST VERTEX_FINAL = 1u << 16u;  ///< the edge ends on the light
+RESTIRPG_CONST VERTEX_LIGHT_SAMPLED = 1u << 17u;  ///< ... and next event estimation made it
+RESTIRPG_CONST VERTEX_DENSITY_SHIFT = 18u;  ///< the BSDF's density of the direction within the smooth label, 1/sr, see pack_logarithm
+RESTIRPG_CONST VERTEX_SCATTER_SHIFT = 25u;  ///< luminance of f |cos|, likewise
+RESTIRPG_CONST VERTEX_LOGARITHM_BITS = 7u;
 
 /// One bounce of a raw path tree, with what came back along it. `weight` makes it a sample of the incident radiance. 24 bytes.
 struct GuidingSample {

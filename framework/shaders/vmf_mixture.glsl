@@ -78,14 +78,27 @@ vec3 lobe_direction(VmfMixture m, uint k)
     return vec3(m.x[k], m.y[k], m.z[k]);
 }
 
-GuidingCell pack_mixture(VmfMixture m, uint age, float samples)
+/// alpha: probability of the BSDF instead of the mixture.
+GuidingCell pack_mixture(VmfMixture m, float alpha, uint age, float samples)
 {
     GuidingCell cell;
     for (uint k = 0u; k < GUIDING_LOBES; ++k)
         cell.lobes[k] = GuidingLobe(pack_direction(lobe_direction(m, k)), m.kappa[k], m.weight[k]);
-    cell.age = age;
+    cell.state = min(age, 0xffffu) | (packUnorm2x16(vec2(0.0, alpha)) & 0xffff0000u);
     cell.samples = samples;
     return cell;
+}
+
+/// Frames since the cell was last fitted.
+uint cell_age(GuidingCell cell)
+{
+    return cell.state & 0xffffu;
+}
+
+/// Probability of the BSDF that the cell has learnt, with GUIDING_ALPHA.
+float cell_alpha(GuidingCell cell)
+{
+    return unpackUnorm2x16(cell.state).y;
 }
 
 /// The lobe that a number in [0, 1) selects by the weights.

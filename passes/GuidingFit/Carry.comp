@@ -3,6 +3,7 @@
 #include "prelude.glsl"
 #include "Shared.h"
 #include "guiding_grid.glsl"
+#include "vmf_mixture.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { GuidingFitParameters params; };
@@ -10,8 +11,8 @@ layout(push_constant, scalar) uniform Push { GuidingFitParameters params; };
 void carry_cell(uint64_t key, uint from)
 {
     GuidingCell cell = guiding_cells(params.history, params.capacity).at[from];
-    cell.age += 1u;
-    if (cell.age > params.oldest || find_slot(params.guide, params.capacity, key) != INVALID_INDEX)
+    cell.state += 1u;
+    if (cell_age(cell) > params.oldest || find_slot(params.guide, params.capacity, key) != INVALID_INDEX)
         return;
     GuidingHeaderRef header = GuidingHeaderRef(params.guide);
     bool taken;

@@ -8,6 +8,9 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { GuidingFitParameters params; };
 
+/// Of alpha, and of 1 - alpha.
+const float LEAST_ALPHA = 0.1;
+
 float from_fixed(uint64_t lane)
 {
     return float(int64_t(lane)) * (1.0 / float(1u << GUIDING_FRACTION_BITS));
@@ -23,10 +26,13 @@ GuidingMemory load_sums(uint slot)
         m.sums[i] = from_fixed(s.lanes[i]);
     for (uint k = 0u; k < GUIDING_LOBES; ++k)
         total += m.sums[4u * k + 3u];
+    m.bsdf = from_fixed(s.bsdf);
+    total += m.bsdf;
     m.count = float(s.count);
     float scale = total > 0.0 ? m.count / total : 0.0;
     for (uint i = 0u; i < 16u; ++i)
         m.sums[i] *= scale;
+    m.bsdf *= scale;
     for (uint i = 0u; i < 7u; ++i)
         m.places[i] = 0.0;
     if ((params.options & GUIDING_PARALLAX) != 0u) {
@@ -43,6 +49,7 @@ void add_memory(inout GuidingMemory m, GuidingMemory other, float factor)
         m.sums[i] += factor * other.sums[i];
     for (uint i = 0u; i < 7u; ++i)
         m.places[i] += factor * other.places[i];
+    m.bsdf += factor * other.bsdf;
     m.count += factor * other.count;
 }
 
@@ -50,7 +57,7 @@ void add_memory(inout GuidingMemory m, GuidingMemory other, float factor)
 /// to be used counts for those that are.
 FitSums fit_sums(GuidingMemory m)
 {
-    FitSums s = FitSums(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), m.count);
+    FitSums s = FitSums(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), m.count - m.bsdf);
     for (uint i = 0u; i < GUIDING_LOBES; ++i) {
         uint k = i % params.lobes;
         s.x[k] += m.sums[4u * i];
@@ -69,6 +76,12 @@ VmfMixture fit(GuidingMemory sums, VmfMixture before, uint64_t strangest)
     return idle < GUIDING_LOBES ? reseed_lobe(m, idle, unpack_direction(uint(strangest))) : m;
 }
 
+/// The weight of the BSDF among all components, within limits, so that neither is given up.  [ALGORITHMS 12.1]
+float fit_alpha(GuidingMemory sums)
+{
+    return clamp((params.alphaPrior + sums.bsdf) / (2.0 * params.alphaPrior + sums.count), LEAST_ALPHA, 1.0 - LEAST_ALPHA);
+}
+
 void fit_cell(uint slot, uint64_t key)
 {
     GuidingGrid grid = GuidingHeaderRef(params.statistics).at.grid;
@@ -79,12 +92,14 @@ void fit_cell(uint slot, uint64_t key)
 
     uint before = find_previous_slot(params.history, grid, key);
     VmfMixture mixture = new_mixture(face_normal(key_face(key)));
+    float alpha = NEW_ALPHA;
     uint age = 0u;
     float fitted_to = 0.0;
     if (before != INVALID_INDEX) {
         GuidingCell cell = guiding_cells(params.history, params.capacity).at[before];
         mixture = unpack_mixture(cell);
-        age = cell.age + 1u;
+        alpha = cell_alpha(cell);
+        age = cell_age(cell) + 1u;
         fitted_to = cell.samples;
         if (params.remembers != 0u)
             add_memory(sums, guiding_memories(params.history, params.capacity).at[before], 1.0);
@@ -93,6 +108,8 @@ void fit_cell(uint slot, uint64_t key)
     GuidingMemory lasting = sums;
     if (sums.count >= params.minimum) {
         mixture = fit(sums, mixture, guiding_sums(params.statistics, params.capacity).at[slot].strangest);
+        if ((GuidingHeaderRef(params.statistics).at.options & GUIDING_ALPHA) != 0u)
+            alpha = fit_alpha(sums);
         age = 0u;
         fitted_to = sums.count;
         keep = params.decay;
@@ -103,7 +120,7 @@ void fit_cell(uint slot, uint64_t key)
     if (fitted_to > 0.0)
         atomicAdd(header.at.guiding, 1u);
     GuidingKeyArray(guiding_keys(params.guide)).at[slot] = key;
-    guiding_cells(params.guide, params.capacity).at[slot] = pack_mixture(mixture, age, fitted_to);
+    guiding_cells(params.guide, params.capacity).at[slot] = pack_mixture(mixture, alpha, age, fitted_to);
     if (params.remembers != 0u) {
         add_memory(lasting, sums, keep - 1.0);
         guiding_memories(params.guide, params.capacity).at[slot] = lasting;

@@ -27,6 +27,8 @@ public:
         io.knob("largest_kappa", largestKappa_, 1, 32000, "most concentrated lobe");
         io.knob("reseed", reseed_, "move a lobe that explains nothing to the sample that is explained worst");
         io.knob("cosine", cosine_, "multiply the lobes by the cosine at lookup: for lobes fitted to the incident radiance alone");
+        io.knob("learn_alpha", learnAlpha_, "each cell learns the probability of the BSDF as the weight of one more component of its mixture; off: that of the tracing pass");
+        io.knob("alpha_prior", alphaPrior_, 0, 1000, "samples of either kind that a cell is thought to have had, with learn_alpha");
         io.knob("parallax", parallax_, "aim the lobes at the distance that their samples looked to; needs that knob of GuidingSplat, and decay");
         io.structural();
     }
@@ -50,7 +52,7 @@ public:
                                               history_.empty ? 0 : history_->address(),
                                               guide_->address(),
                                               capacity(),
-                                              (cosine_ ? GUIDING_COSINE : 0) | (parallax_ ? GUIDING_PARALLAX : 0),
+                                              (cosine_ ? GUIDING_COSINE : 0) | (parallax_ ? GUIDING_PARALLAX : 0) | (learnAlpha_ ? GUIDING_ALPHA : 0),
                                               remembers(),
                                               pool_,
                                               reseed_,
@@ -58,6 +60,7 @@ public:
                                               lobes_,
                                               decay_,
                                               minimum_,
+                                              alphaPrior_,
                                               weightPrior_,
                                               concentrationPrior_,
                                               largestKappa_};
@@ -86,6 +89,8 @@ private:
     float decay_ = 0;
     uint32_t oldest_ = 16;
     uint32_t lobes_ = GUIDING_LOBES;
+    bool learnAlpha_ = false;
+    float alphaPrior_ = 8;
     float weightPrior_ = 0.1f;
     float concentrationPrior_ = 1;
     float largestKappa_ = 32000;

@@ -19,6 +19,7 @@ struct GuidingFitParameters {
     uint lobes;  ///< that may have weight, 1 to GUIDING_LOBES
     float decay;  ///< of the sums, a frame
     float minimum;  ///< samples
+    float alphaPrior;  ///< samples
     float weightPrior;
     float concentrationPrior;  ///< samples
     float largestKappa;

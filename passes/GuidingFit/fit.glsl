@@ -8,7 +8,7 @@
 struct FitSums {
     vec4 x, y, z;
     vec4 share;
-    float count;  ///< samples; the shares add up to it
+    float count;  ///< samples that the shares add up to
 };
 
 struct FitPriors {

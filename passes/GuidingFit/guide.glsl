@@ -5,6 +5,7 @@
 struct Guide {
     VmfMixture mixture;
     vec4 amplitude;  ///< density of each lobe on its axis, times its weight, 1/sr
+    float alpha;  ///< what the cell has learnt, or below 0
 };
 
 /// Concentration of the lobe that resembles the cosine about a normal.
@@ -68,6 +69,7 @@ bool guide_lookup(Address guide, GuideQuery query, out Guide g)
     if ((header.options & GUIDING_COSINE) != 0u)
         multiply_by_cosine(g.mixture, query.normal);
     g.amplitude = g.mixture.weight * lobe_normalizations(g.mixture);
+    g.alpha = (header.options & GUIDING_ALPHA) != 0u ? cell_alpha(cell) : -1.0;
     return true;
 }
 
@@ -83,4 +85,9 @@ float guide_pdf(Guide g, vec3 w)
     vec4 dy = w.y - g.mixture.y;
     vec4 dz = w.z - g.mixture.z;
     return dot(g.amplitude, exp(-0.5 * g.mixture.kappa * (dx * dx + dy * dy + dz * dz)));
+}
+
+float guide_alpha(Guide g, float alpha)
+{
+    return g.alpha < 0.0 ? alpha : g.alpha;
 }

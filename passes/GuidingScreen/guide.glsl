@@ -22,3 +22,8 @@ float guide_pdf(Guide g, vec3 w)
 {
     return lobe_pdf(g, w);
 }
+
+float guide_alpha(Guide g, float alpha)
+{
+    return alpha;
+}

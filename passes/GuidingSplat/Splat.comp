@@ -29,6 +29,12 @@ GuidingGrid current_grid()
     return grid;
 }
 
+/// Is the BSDF one of the mixture's components (ALGORITHMS 12.1)? The guide says so, from its first frame on.
+bool learns_alpha()
+{
+    return params.guide != 0ul && (GuidingHeaderRef(params.guide).at.options & GUIDING_ALPHA) != 0u;
+}
+
 bool is_wanted(PathVertex v)
 {
     if (!is_valid(v))
@@ -91,8 +97,15 @@ void add_sample(GuidingGrid grid, Sample s)
     }
     vec3 w = unpack_direction(s.vertex.direction);
     float log_density;
-    vec4 shares = responsibilities(previous_mixture(params.guide, grid, key), w, log_density);
+    float alpha;
+    vec4 shares = responsibilities(previous_mixture(params.guide, grid, key, alpha), w, log_density);
     GuidingSumsArray sums = guiding_sums(params.statistics, params.capacity);
+    if (learns_alpha()) {
+        float by_bsdf = alpha * vertex_density(s.vertex);
+        by_bsdf /= by_bsdf + (1.0 - alpha) * exp(log_density);
+        atomicAdd(sums.at[slot].bsdf, uint64_t(to_fixed(s.weight * by_bsdf)));
+        shares *= 1.0 - by_bsdf;
+    }
     for (uint k = 0u; k < GUIDING_LOBES; ++k) {
         float share = s.weight * shares[k];
         atomicAdd(sums.at[slot].lanes[4u * k], uint64_t(to_fixed(share * w.x)));
@@ -116,6 +129,7 @@ void main()
     if (at == uvec3(0u)) {
         GuidingHeaderRef(params.statistics).at.grid = grid;
         GuidingHeaderRef(params.statistics).at.capacity = params.capacity;
+        GuidingHeaderRef(params.statistics).at.options = learns_alpha() ? GUIDING_ALPHA : 0u;
     }
     Sample s = load_sample((at.y * frame.c.size.x + at.x) * params.stride + at.z);
     if (s.weight > 0.0)

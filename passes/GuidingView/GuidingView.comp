@@ -3,6 +3,7 @@
 #include "Shared.h"
 #include "guiding_grid.glsl"
 #include "surface.glsl"
+#include "vmf_mixture.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { GuidingViewParameters params; };
@@ -37,9 +38,10 @@ vec3 color_of(uint64_t key, GuidingCell cell)
     case VIEW_CELL: return 0.2 + 0.8 * unit_floats(pcg4d(uvec4(uint(key), uint(key >> 32u), 1u, 0u))).xyz;
     case VIEW_LEVEL: return heat(float(key_level(key)) / HIGHEST_LEVEL);
     case VIEW_SAMPLES: return heat(on_log_scale(cell.samples, MOST_SAMPLES));
-    case VIEW_AGE: return heat(float(cell.age) / OLDEST);
+    case VIEW_AGE: return heat(float(cell_age(cell)) / OLDEST);
     case VIEW_KAPPA: return heat(on_log_scale(kappa, LARGEST_KAPPA));
-    default: return heat(weight);
+    case VIEW_WEIGHT: return heat(weight);
+    default: return heat(1.0 - cell_alpha(cell));
     }
 }
 

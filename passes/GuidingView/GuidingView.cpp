@@ -8,7 +8,7 @@ namespace restirpg {
 namespace {
 
 /// In the order of VIEW_*.
-const std::vector<std::string> VIEWS = {"cell", "level", "samples", "age", "kappa", "weight"};
+const std::vector<std::string> VIEWS = {"cell", "level", "samples", "age", "kappa", "weight", "guided"};
 
 }  // namespace
 
@@ -19,7 +19,7 @@ public:
         io.input("surface", surface_, perPixel<Hit>("Surface"), "primary hit of each pixel");
         io.input("guide", guide_, guide({}, {}), "a guide of GuidingFit, of this frame or the one before");
         io.output("image", image_, image(3), "false colours of the cells that the pixels see; black: no guidance there");
-        io.choice("show", show_, VIEWS, "cell: a colour each; level of the grid; samples last fitted to; frames since then; largest kappa; weight of the heaviest lobe");
+        io.choice("show", show_, VIEWS, "cell: a colour each; level of the grid; samples last fitted to; frames since then; largest kappa; weight of the heaviest lobe; probability of the guide that the cell has learnt");
     }
 
     void build(Device& device) override

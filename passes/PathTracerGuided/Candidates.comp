@@ -35,7 +35,7 @@ float label_density(Vertex v, uint label, vec3 local, vec3 wi)
     float density = bsdf_pdf(v.point.bsdf, v.point.wo, local, label_lobes(v.point.bsdf, label));
     if (label == LABEL_SMOOTH && v.guided) {
         float guided = label_probability(v.point.bsdf, v.point.wo, LABEL_SMOOTH) * guided_pdf(v, wi);
-        density += (1.0 - params.alpha) * (guided - density);
+        density += (1.0 - v.alpha) * (guided - density);
     }
     return density;
 }
@@ -79,7 +79,9 @@ void offer(PathReservoir path, float weight, float u, PathVertex last)
 /// The bounce of `label` in direction wi, as guides are trained on it.
 PathVertex record_bounce(Vertex v, uint label, vec3 wi, vec3 value)
 {
-    return label == LABEL_SMOOTH ? make_path_vertex(v.point.position, v.point.normal, v.material, wi, luminance(value)) : no_path_vertex();
+    if (label != LABEL_SMOOTH)
+        return no_path_vertex();
+    return make_path_vertex(v.point.position, v.point.normal, v.material, wi, luminance(value), label_pdf(v.point.bsdf, v.point.wo, to_local(v.point.local_frame, wi), LABEL_SMOOTH));
 }
 
 /// A direction with its label: what the tree takes along an edge.
@@ -174,7 +176,7 @@ Bounce scatter_labelled(Vertex v, RandomKey key, uint u)
     Bounce s = Bounce(label_of_lobe(p.bsdf, lobe), false, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 1.0);
     if (lobe == 0u)
         return s;
-    bool guided = s.label == LABEL_SMOOTH && v.guided && random1(key, u, RANDOM_TECHNIQUE) >= params.alpha;
+    bool guided = s.label == LABEL_SMOOTH && v.guided && random1(key, u, RANDOM_TECHNIQUE) >= v.alpha;
     if (guided) {
         s.wi = sample_guided(v, vec3(numbers.xy, random1(key, u, RANDOM_GUIDE_LOBE)));
         if (s.wi == vec3(0.0))

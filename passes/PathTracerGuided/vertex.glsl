@@ -11,6 +11,7 @@ struct Vertex {
     uint material;
     bool guided;
     bool opaque;  ///< no smooth lobe leaves on the other side
+    float alpha;  ///< probability of the BSDF within the smooth label, where guided
     Guide guide;
 };
 
@@ -25,6 +26,7 @@ Vertex make_vertex(Surface surface, vec3 wo, uvec2 pixel, uint bounce)
     v.opaque = (lobes & LOBE_TRANSMIT) == 0u;
     v.guided = params.guide != 0ul && lobes != 0u &&
                guide_lookup(params.guide, GuideQuery(surface.position, v.point.normal, wo, surface.material, pixel, bounce), v.guide);
+    v.alpha = v.guided ? guide_alpha(v.guide, params.alpha) : 1.0;
 #endif
     return v;
 }
@@ -55,7 +57,7 @@ float scatter_pdf(Vertex v, vec3 wi_local, vec3 wi)
         return unguided;
     float smooth_pdf = bsdf_pdf(v.point.bsdf, v.point.wo, wi_local, label_lobes(v.point.bsdf, LABEL_SMOOTH));
     float guided = label_probability(v.point.bsdf, v.point.wo, LABEL_SMOOTH) * guided_pdf(v, wi);
-    return unguided + (1.0 - params.alpha) * (guided - smooth_pdf);
+    return unguided + (1.0 - v.alpha) * (guided - smooth_pdf);
 }
 
 /// A scattered direction (BsdfSample::wi in the local frame) by the BSDF or, in the smooth label, by the guide.
@@ -67,7 +69,7 @@ BsdfSample scatter(Vertex v, RandomKey key, uint bounce)
         return bsdf_sample(bsdf, v.point.wo, numbers.z, numbers.xy);
     uint lobe = bsdf_select_lobe(bsdf, v.point.wo, LOBE_ALL, numbers.z);
     BsdfSample s;
-    if (label_of_lobe(bsdf, lobe) == LABEL_SMOOTH && random1(key, bounce, RANDOM_TECHNIQUE) >= params.alpha) {
+    if (label_of_lobe(bsdf, lobe) == LABEL_SMOOTH && random1(key, bounce, RANDOM_TECHNIQUE) >= v.alpha) {
         s = no_bsdf_sample(lobe);
         s.wi = to_local(v.point.local_frame, sample_guided(v, vec3(numbers.xy, random1(key, bounce, RANDOM_GUIDE_LOBE))));
         if (s.wi == vec3(0.0))

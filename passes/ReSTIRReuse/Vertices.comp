@@ -22,7 +22,7 @@ void write_bounce(uint slot, uint label, uint material, ShadingPoint p, vec3 wi,
     uint flags = vertices.at[slot].surface & (VERTEX_FINAL | VERTEX_LIGHT_SAMPLED);
     PathVertex v = no_path_vertex();
     if (label == LABEL_SMOOTH) {
-        v = make_path_vertex(p.position, p.normal, material, wi, luminance(value));
+        v = make_path_vertex(p.position, p.normal, material, wi, luminance(value), label_pdf(p.bsdf, p.wo, to_local(p.local_frame, wi), LABEL_SMOOTH));
         v.surface |= flags;
     }
     vertices.at[slot] = v;

@@ -9,7 +9,7 @@ import json
 
 import numpy as np
 
-from harness.guiding import CELL, HEADER, MEMORY, SUMS, VALID, VERTEX, grid_of, read_table
+from harness.guiding import CELL, HEADER, MEMORY, SUMS, VERTEX, grid_of, is_valid, read_table, vertex_face
 
 PORTS = {"ReSTIR": "reuse.vertices", "raw": "paths.vertices"}
 KEY_BYTES = 8
@@ -24,8 +24,8 @@ def counts_of(renderer, port):
     """{key: samples} of the last frame."""
     grid = grid_of(read_table(renderer.read_port("splat.statistics"), SUMS)[0])
     v = renderer.read_port(port).view(VERTEX)
-    v = v[v["surface"] & VALID != 0]
-    keys = grid.keys(grid.positions(v["position"]), v["surface"] >> 16 & 7, v["surface"] & 0xFFFF)[0]
+    v = v[is_valid(v)]
+    keys = grid.keys(grid.positions(v["position"]), vertex_face(v), v["surface"] & 0xFFFF)[0]
     return dict(zip(*np.unique(keys, return_counts=True)))
 
 

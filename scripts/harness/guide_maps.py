@@ -16,12 +16,14 @@ from harness.guiding import (
     MEMORY,
     SAMPLE,
     SUMS,
-    VALID,
     VERTEX,
     grid_of,
+    is_valid,
     mixture_of,
     read_table,
     unpack_direction,
+    vertex_face,
+    vertex_scatter,
 )
 
 from matplotlib.figure import Figure  # isort: skip
@@ -85,13 +87,13 @@ def learn(scene, description, pixels, size, frames, seed=1, bounces=None, cell_s
         grid = grid_of(header)
         points = points or find_points(renderer, grid, pixels, size)
         data = renderer.read_port(".".join(port)).view(SAMPLE if raw else VERTEX)
-        data = data[data["surface"] & VALID != 0]
+        data = data[is_valid(data)]
         keys = grid.keys(
-            grid.positions(data["position"]), data["surface"] >> 16 & 7, data["surface"] & 0xFFFF
+            grid.positions(data["position"]), vertex_face(data), data["surface"] & 0xFFFF
         )[0]
         weights = np.ones(len(data))
         if raw:
-            weights = data["weight"] * np.exp2(((data["surface"] >> 22).astype(float) - 512) / 32)
+            weights = data["weight"] * vertex_scatter(data)
         mine = [(keys == np.uint64(point.key)) & (weights > 0) for point in points]
         collected.append([(unpack_direction(data["direction"][m]), weights[m]) for m in mine])
     guide = read_table(renderer.read_port("fit.guide"), CELL, MEMORY)[1]

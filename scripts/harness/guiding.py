@@ -29,18 +29,20 @@ HEADER = np.dtype(
         ("unused", "<u4", 4),
     ]
 )
-SUMS = np.dtype([("lanes", "<i8", 16), ("strangest", "<u8"), ("count", "<u4"), ("unused", "<u4")])
+SUMS = np.dtype([("lanes", "<i8", 16), ("strangest", "<u8"), ("bsdf", "<i8"), ("count", "<u4"), ("unused", "<u4")])
 PLACES = np.dtype([("lanes", "<i8", 7)])
 CELL = np.dtype(
     [
         ("lobes", [("direction", "<u4"), ("kappa", "<f4"), ("weight", "<f4")], 4),
-        ("age", "<u4"),
+        ("age", "<u2"),
+        ("alpha", "<u2"),  # in 65535ths
         ("samples", "<f4"),
     ]
 )
-MEMORY = np.dtype([("sums", "<f4", 16), ("count", "<f4"), ("places", "<f4", 7)])
+MEMORY = np.dtype([("sums", "<f4", 16), ("bsdf", "<f4"), ("count", "<f4"), ("places", "<f4", 7)])
 
-VALID, FINAL, LIGHT_SAMPLED = 1 << 19, 1 << 20, 1 << 21
+FINAL, LIGHT_SAMPLED = 1 << 16, 1 << 17  # of `surface`
+LEARNS_ALPHA = 4  # of a header's `options`
 LOBES = 4
 
 
@@ -57,6 +59,26 @@ def read_table(raw, *records):
     table = {int(columns[0][s]): tuple(column[s] for column in columns[1:]) for s in slots}
     assert len(table) == len(slots), "a key stands in two slots"
     return header, table, columns[0]
+
+
+def is_valid(vertices):
+    """Which of VERTEX or SAMPLE records hold a bounce."""
+    return vertices["position"] >> np.uint64(63) != 0
+
+
+def vertex_face(vertices):
+    """Face of the normal, 0 to 5: 2 axis + (1 when negative)."""
+    return (vertices["position"] >> np.uint64(60) & np.uint64(7)).astype(int)
+
+
+def vertex_density(vertices):
+    """The BSDF's own density of the direction, 1/sr."""
+    return 2.0 ** (((vertices["surface"] >> 18 & 127).astype(float) - 64) / 4)
+
+
+def vertex_scatter(vertices):
+    """Luminance of f |cos|."""
+    return 2.0 ** (((vertices["surface"] >> 25).astype(float) - 64) / 4)
 
 
 def unpack_direction(bits):
@@ -86,12 +108,10 @@ class Grid:
         return self.smallest / 1e-3
 
     def positions(self, packed):
-        """Points (n, 3) of positions of 3 x 21 bits."""
+        """Points (n, 3) of positions of 3 x 20 bits."""
         packed = np.asarray(packed, np.uint64)
-        q = np.stack([packed >> np.uint64(21 * axis) & np.uint64(0x1FFFFF) for axis in range(3)], -1).astype(
-            float
-        )
-        return self.origin + (q + 0.5) / 2**21 * 4 * self.radius
+        steps = [packed >> np.uint64(20 * axis) & np.uint64(0xFFFFF) for axis in range(3)]
+        return self.origin + (np.stack(steps, -1).astype(float) + 0.5) / 2**20 * 4 * self.radius
 
     def keys(self, points, face, material):
         """Keys (n,) and whether rounding may make the GPU see another cell: within 1e-6 radii of a border, or
@@ -156,6 +176,11 @@ class Mixture:
     def shares(self, w):
         """Responsibilities, (n, 4).  [ALGORITHMS 3.1]"""
         return np.exp(self.log_lobes(w) - self.log_density(w)[:, None])
+
+
+def alpha_of(cell):
+    """Probability of the BSDF that a cell has learnt."""
+    return int(cell["alpha"]) / 65535
 
 
 def mixture_of(cell):

@@ -28,6 +28,6 @@ void main()
         m.kappa[k] = lobe.kappa;
         m.weight[k] = lobe.weight;
     }
-    guiding_cells(build.guide, TEST_CAPACITY).at[slot] = pack_mixture(m, 0u, 1.0);
+    guiding_cells(build.guide, TEST_CAPACITY).at[slot] = pack_mixture(m, 0.5, 0u, 1.0);
     guiding_memories(build.guide, TEST_CAPACITY).at[slot] = GuidingMemoryArray(build.memory).at[0];
 }

@@ -11,8 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from guiding_oracle import (
     LOBES,
+    NEW_ALPHA,
     ONE,
     Mixture,
+    alpha_of,
     face_normals,
     face_of,
     mixture_of,
@@ -20,6 +22,8 @@ from guiding_oracle import (
     previous_key,
     unpack_direction,
 )
+
+BSDF, COUNT = 16, 17  # places in a memory, after the sums
 
 
 def m_step(sums, count, before, knobs):
@@ -65,10 +69,11 @@ def reseed(m, strangest, lobes):
 
 @dataclass
 class FittedCell:
-    """What a cell of the guide should be. `memory` (24,): sums, count, places, or None; `doubtful`: rounding
-    decides."""
+    """What a cell of the guide should be. `memory` (25,): sums, bsdf, count, places, or None; `doubtful`:
+    rounding decides."""
 
     mixture: Mixture
+    alpha: float
     age: int
     samples: float
     memory: np.ndarray | None
@@ -76,36 +81,43 @@ class FittedCell:
 
 
 def memory_of(record):
-    return np.r_[record["sums"], record["count"], record["places"]].astype(float)
+    return np.r_[record["sums"], record["bsdf"], record["count"], record["places"]].astype(float)
 
 
 def batch_of(sums, places):
-    """A frame's sums as a memory (24,), scaled so that the shares add up to the count of the samples.
+    """A frame's sums as a memory (25,), scaled so that the shares add up to the count of the samples.
     [ALGORITHMS 3.1]"""
     batch = np.r_[
-        sums["lanes"] / ONE, sums["count"], places["lanes"] / ONE if places is not None else np.zeros(7)
+        sums["lanes"] / ONE, sums["bsdf"] / ONE, sums["count"],
+        places["lanes"] / ONE if places is not None else np.zeros(7),
     ]
-    total = batch[3:16:4].sum()
-    scale = batch[16] / total if total > 0 else 0.0
-    return batch * np.r_[np.full(16, scale), 1.0, np.full(7, scale)]
+    total = batch[3:16:4].sum() + batch[BSDF]
+    scale = batch[COUNT] / total if total > 0 else 0.0
+    return batch * np.r_[np.full(17, scale), 1.0, np.full(7, scale)]
 
 
-def fit_cell(key, statistics, grid, before, cells, knobs):
-    """The FittedCell of a key that has samples. `statistics`: its records; `before`, `cells`: the guide a
-    frame ago; `knobs`: GuidingFit's."""
+def fit_cell(key, statistics, learns_alpha, grid, before, cells, knobs):
+    """The FittedCell of a key that has samples. `statistics`: its records, with the BSDF as a component if
+    `learns_alpha`; `before`, `cells`: the guide a frame ago; `knobs`: GuidingFit's."""
     sums = statistics[0]
     memory = batch_of(sums, statistics[1] if len(statistics) > 1 else None)
     remembers = knobs["pool"] or knobs["decay"] > 0 or knobs["parallax"]
     found, doubtful = previous_key(key, grid, before, cells)
     mixture, age, samples = new_mixture(face_normals(np.array([face_of(key)]))[0]), 0, 0.0
+    alpha = NEW_ALPHA
     if found:
         cell = cells[found][0]
         mixture, age, samples = mixture_of(cell), int(cell["age"]) + 1, float(cell["samples"])
+        alpha = alpha_of(cell)
         if remembers:
             memory = memory + memory_of(cells[found][1])
     kept = 1.0 if knobs["pool"] else knobs["decay"]
-    if memory[16] >= knobs["minimum"]:
-        mixture = m_step(memory[:16].reshape(LOBES, 4), memory[16], mixture, knobs)
+    count = memory[COUNT]
+    if count >= knobs["minimum"]:
+        mixture = m_step(memory[:BSDF].reshape(LOBES, 4), count - memory[BSDF], mixture, knobs)
+        if learns_alpha:
+            prior = knobs["alpha_prior"]
+            alpha = np.clip((prior + memory[BSDF]) / (2 * prior + count), 0.1, 0.9)
         if knobs["reseed"]:
             mixture, margin = reseed(
                 mixture,
@@ -113,18 +125,20 @@ def fit_cell(key, statistics, grid, before, cells, knobs):
                 knobs["lobes"],
             )
             doubtful = doubtful or margin < 1e-4
-        age, samples, kept = 0, memory[16], knobs["decay"]
+        age, samples, kept = 0, count, knobs["decay"]
     elif age > knobs["oldest"]:
         samples = 0.0
-    return FittedCell(mixture, age, samples, kept * memory if remembers else None, doubtful)
+    return FittedCell(mixture, alpha, age, samples, kept * memory if remembers else None, doubtful)
 
 
-def fit_guide(statistics, grid, before, cells, knobs):
+def fit_guide(statistics, learns_alpha, grid, before, cells, knobs):
     """{key: FittedCell} of the whole guide."""
-    guide = {key: fit_cell(key, records, grid, before, cells, knobs) for key, records in statistics.items()}
+    guide = {key: fit_cell(key, records, learns_alpha, grid, before, cells, knobs)
+             for key, records in statistics.items()}
     for key, records in cells.items():
         age = int(records[0]["age"]) + 1
         if key not in guide and age <= knobs["oldest"]:
             memory = memory_of(records[1]) if len(records) > 1 else None
-            guide[key] = FittedCell(mixture_of(records[0]), age, float(records[0]["samples"]), memory)
+            guide[key] = FittedCell(mixture_of(records[0]), alpha_of(records[0]), age,
+                                    float(records[0]["samples"]), memory)
     return guide

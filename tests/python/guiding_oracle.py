@@ -17,28 +17,34 @@ from harness.guiding import (  # noqa: E402, F401
     CELL,
     FINAL,
     HEADER,
+    LEARNS_ALPHA,
     LIGHT_SAMPLED,
     LOBES,
     MEMORY,
     PLACES,
     SAMPLE,
     SUMS,
-    VALID,
     VERTEX,
     Grid,
     Mixture,
+    alpha_of,
     face_of,
     grid_of,
+    is_valid,
     level_of,
     material_of,
     mixture_of,
     read_table,
     unpack_direction,
+    vertex_density,
+    vertex_face,
+    vertex_scatter,
 )
 
 PROBES = 32
 ONE = 2.0**24  # of the fixed-point sums
 LARGEST_WEIGHT = 65536.0
+NEW_ALPHA = 0.5  # of a cell that has learnt nothing
 SHORTEST_DISTANCE = 1e-3  # m, of what inverse distances are summed of
 
 
@@ -106,10 +112,11 @@ def previous_key(key, grid, before, cells):
 
 @dataclass
 class CellSums:
-    """E-step of a cell. `sums` (4, 4): x, y, z, 1 a lobe; `places` (7,); `weight`: of all samples;
-    `doubtful`: not to be compared."""
+    """E-step of a cell. `sums` (4, 4): x, y, z, 1 a lobe; `bsdf`: of the BSDF's responsibilities; `places`
+    (7,); `weight`: of all samples; `doubtful`: not to be compared."""
 
     sums: np.ndarray = field(default_factory=lambda: np.zeros((LOBES, 4)))
+    bsdf: float = 0.0
     places: np.ndarray = field(default_factory=lambda: np.zeros(7))
     count: int = 0
     weight: float = 0.0
@@ -118,12 +125,12 @@ class CellSums:
     doubtful: bool = False
 
 
-def e_step(samples, grid, before, cells):
+def e_step(samples, grid, before, cells, learns_alpha):
     """{key: CellSums} of a frame's samples (SAMPLE), against the guide of the frame before: its grid and
-    {key: (CELL, ...)}."""
-    used = samples[(samples["surface"] & VALID != 0) & (samples["weight"] > 0)]
+    {key: (CELL, ...)}. `learns_alpha`: the BSDF is a component, too.  [ALGORITHMS 12.1]"""
+    used = samples[is_valid(samples) & (samples["weight"] > 0)]
     points = grid.positions(used["position"])
-    keys, doubtful = grid.keys(points, used["surface"] >> 16 & 7, used["surface"] & 0xFFFF)
+    keys, doubtful = grid.keys(points, vertex_face(used), used["surface"] & 0xFFFF)
     w = unpack_direction(used["direction"])
     weights = np.minimum(used["weight"].astype(float), LARGEST_WEIGHT)
     inverse = 1 / np.maximum(used["distance"].astype(float), SHORTEST_DISTANCE)
@@ -134,10 +141,16 @@ def e_step(samples, grid, before, cells):
         mixture = (
             mixture_of(cells[found][0]) if found else new_mixture(face_normals(np.array([face_of(key)]))[0])
         )
-        share = mixture.shares(w[mine]) * weights[mine, None]
+        by_bsdf = np.zeros(len(mine))
+        if learns_alpha:
+            alpha = alpha_of(cells[found][0]) if found else NEW_ALPHA
+            densities = vertex_density(used[mine]), np.exp(mixture.log_density(w[mine]))
+            by_bsdf = alpha * densities[0] / (alpha * densities[0] + (1 - alpha) * densities[1])
+        share = mixture.shares(w[mine]) * (weights[mine] * (1 - by_bsdf))[:, None]
         place = (points[mine] - grid.center(key)) / grid.side(level_of(key))
         result[key] = CellSums(
             share.T @ np.c_[w[mine], np.ones(len(mine))],
+            by_bsdf @ weights[mine],
             np.r_[share.T @ inverse[mine], weights[mine] @ place],
             len(mine),
             weights[mine].sum(),

@@ -23,14 +23,14 @@ CAP = 4
 pytestmark = pytest.mark.usefixtures("own_plugins")
 
 
-def guided(port="guide", mode="live"):
+def guided(port="guide", mode="live", learn_alpha=False):
     """ReSTIR PG whose paths are guided by what HeldGuide makes of the fitted guide."""
     g = restirpg.load_graph(ROOT / "graphs" / "restir_pg.py").description
     fitted = {"pass": "fit", "output": "guide", "delayed": True}
     passes = {p["name"]: p for p in g["passes"]}
     passes["paths"]["inputs"]["guide"] = {"pass": "held", "output": port}
     passes["reuse"]["knobs"]["cap"] = CAP
-    for name, knobs in (("splat", {"cells": CELLS, "cell_size": 0.15}), ("fit", {"cells": CELLS})):
+    for name, knobs in (("splat", {"cells": CELLS, "cell_size": 0.15}), ("fit", {"cells": CELLS, "learn_alpha": learn_alpha})):
         passes[name]["knobs"].update(knobs)
     inputs = {"guide": fitted} | (
         {"history": {"pass": "held", "output": "guide", "delayed": True}} if port == "guide" else {}
@@ -79,9 +79,12 @@ def reference(scene):  # noqa: F811
     return run_means(scene, path_tracer(), 200, 100, 12)[0]
 
 
-@pytest.mark.parametrize("mode", ["live", "frozen", "garbage"])
-def test_no_guide_moves_the_mean(scene, reference, mode):  # noqa: F811
-    assert abs(z_of(guided_means(scene, guided(mode=mode), 7000), reference)) < 4
+@pytest.mark.parametrize(
+    ("mode", "learn_alpha"), [("live", False), ("frozen", False), ("garbage", False), ("live", True)]
+)
+def test_no_guide_moves_the_mean(scene, reference, mode, learn_alpha):  # noqa: F811
+    graph = guided(mode=mode, learn_alpha=learn_alpha)
+    assert abs(z_of(guided_means(scene, graph, 7000), reference)) < 4
 
 
 def test_a_guide_with_a_wrong_density_is_found(scene, reference):  # noqa: F811

@@ -49,10 +49,15 @@ class Recorded:
         """Grid and table of the guide a frame ago."""
         return (oracle.grid_of(self.before[0]), self.before[1]) if self.before else (None, {})
 
+    @property
+    def learns_alpha(self):
+        """Was the BSDF a component of the mixtures? Not in the first frame, whose guide says nothing yet."""
+        return bool(self.statistics[0]["options"] & oracle.LEARNS_ALPHA)
+
     @cached_property
     def sums(self):
         """The oracle's E-step."""
-        return oracle.e_step(self.samples, self.grid, *self.previous)
+        return oracle.e_step(self.samples, self.grid, *self.previous, self.learns_alpha)
 
 
 def training_samples(renderer):
@@ -64,8 +69,7 @@ def training_samples(renderer):
     samples = np.zeros(len(vertices), oracle.SAMPLE)
     for name in oracle.VERTEX.names:
         samples[name] = vertices[name]
-    scatter = np.exp2(((samples["surface"] >> 22).astype(float) - 512) / 32)
-    samples["weight"] = 1 / scatter if splat["incident"] else 1
+    samples["weight"] = 1 / oracle.vertex_scatter(samples) if splat["incident"] else 1
     samples["distance"] = 1
     if splat["final_edges"] == "scattered":
         samples["weight"][samples["surface"] & oracle.LIGHT_SAMPLED != 0] = 0
@@ -114,6 +118,7 @@ CASES = {
         {"splat__incident": True, "splat__final_edges": "scattered"},
     ),
     "two lobes": ("door_ajar", "restir_pg", {"fit__lobes": 2}),
+    "learnt alpha": ("door_ajar", "restir_pg", {"move": 0.04, "fit__learn_alpha": True}),
     "neither pool nor memory": (
         "cornell_box",
         "restir_pg",
@@ -171,6 +176,7 @@ def check_sums(frame):
         found, cell = frame.statistics[1][key], sums[key]
         tolerance = SUM_TOLERANCE * cell.weight + cell.count / oracle.ONE
         assert np.abs(found[0]["lanes"].reshape(oracle.LOBES, 4) / oracle.ONE - cell.sums).max() < tolerance
+        assert abs(found[0]["bsdf"] / oracle.ONE - cell.bsdf) < tolerance
         if len(found) > 1:
             error = np.abs(found[1]["lanes"] / oracle.ONE - cell.places)
             side = frame.grid.side(oracle.level_of(key))
@@ -189,7 +195,9 @@ def check_strangest(frame):
 
 def check_fit(frame):
     """Parameters, ages, samples and memories of all cells, whether fitted now, pooled or carried on."""
-    expected = fit_oracle.fit_guide(frame.statistics[1], frame.grid, *frame.previous, frame.knobs["fit"])
+    expected = fit_oracle.fit_guide(
+        frame.statistics[1], frame.learns_alpha, frame.grid, *frame.previous, frame.knobs["fit"]
+    )
     guide = frame.guide[1]
     assert set(guide) == set(expected)
     certain = [key for key in expected if not expected[key].doubtful]
@@ -204,12 +212,13 @@ def check_cell(found, cell):
     assert np.allclose(m.weight, cell.mixture.weight, rtol=FIT_TOLERANCE, atol=1e-6)
     assert np.isclose(m.weight.sum(), 1, atol=1e-5)
     assert np.linalg.norm(m.mu - cell.mixture.mu, axis=-1).max() < 2e-4
+    assert abs(oracle.alpha_of(found[0]) - cell.alpha) < 1e-4
     assert found[0]["age"] == cell.age and np.isclose(found[0]["samples"], cell.samples, rtol=1e-5)
     if cell.memory is not None:
         memory = fit_oracle.memory_of(found[1])
-        assert np.allclose(memory[:17], cell.memory[:17], rtol=1e-4, atol=1e-4 * max(cell.memory[16], 1))
+        assert np.allclose(memory[:18], cell.memory[:18], rtol=1e-4, atol=1e-4 * max(cell.memory[17], 1))
         assert np.allclose(
-            memory[17:], cell.memory[17:], rtol=1e-4, atol=1e-4 * max(np.abs(cell.memory[17:]).max(), 1)
+            memory[18:], cell.memory[18:], rtol=1e-4, atol=1e-4 * max(np.abs(cell.memory[18:]).max(), 1)
         )
 
 
@@ -240,7 +249,11 @@ def test_every_frame_is_as_the_oracle_says(frames, check):
 
 
 def test_the_frames_show_what_is_tested(frames):
-    """Cells are fitted, others wait for samples, and some had guidance before."""
+    """Cells are fitted, others wait for samples, some had guidance before; alpha is learnt where it is to be."""
+    learns = frames[-1].knobs["fit"]["learn_alpha"]
+    assert [frame.learns_alpha for frame in frames] == [False] + [learns] * (len(frames) - 1)
+    learnt = {records[0]["alpha"] for records in frames[-1].guide[1].values()}
+    assert len(learnt) > 10 if learns else learnt == {32768}
     last = frames[-1].guide
     ages = np.array([records[0]["age"] for records in last[1].values()])
     assert 0 < last[0]["fitted"] < last[0]["cells"] and (ages > 0).any() and frames[-1].before is not None

@@ -31,9 +31,9 @@ def views(scene):  # noqa: F811
         renderer.read_port("reuse.vertices").view(oracle.VERTEX).reshape(32, 32, -1)[..., 0].ravel(),
     )
     keys, doubtful = grid.keys(
-        grid.positions(first["position"]), first["surface"] >> 16 & 7, first["surface"] & 0xFFFF
+        grid.positions(first["position"]), oracle.vertex_face(first), first["surface"] & 0xFFFF
     )
-    keys[(first["surface"] & oracle.VALID == 0) | doubtful] = 0
+    keys[~oracle.is_valid(first) | doubtful] = 0
     return {show: renderer.output(show).reshape(-1, 3) for show in ("cell", "age", "weight")}, keys, cells
 
 

@@ -49,7 +49,7 @@ def frames(scene):  # noqa: F811
 
 
 def valid(vertices):
-    return vertices["surface"] & oracle.VALID != 0
+    return oracle.is_valid(vertices)
 
 
 def test_the_grid_spans_the_scene(frames, box):
@@ -70,7 +70,7 @@ def test_vertices_lie_on_surfaces_of_their_material_and_face(frames, box, port):
         )  # not at an edge of two surfaces
         same = box.material[triangle] == (surface & 0xFFFF)
         assert same[alone].all()
-        axis = surface >> 17 & 3
+        axis = oracle.vertex_face(vertices[port][here]) >> 1
         assert np.array_equal(np.abs(box.normals[triangle]).argmax(-1)[alone], axis[alone])
 
 

@@ -23,3 +23,8 @@ float guide_pdf(Guide g, vec3 w)
 {
     return DENSITY_FACTOR * vmf_pdf(w, g.mu, g.kappa);
 }
+
+float guide_alpha(Guide g, float alpha)
+{
+    return alpha;
+}

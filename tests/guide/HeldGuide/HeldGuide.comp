@@ -21,5 +21,5 @@ void main()
         m.z[k] = w.z;
         m.kappa[k] = 1000.0;
     }
-    guiding_cells(params.guide, capacity).at[slot] = pack_mixture(m, 0u, 1.0);
+    guiding_cells(params.guide, capacity).at[slot] = pack_mixture(m, 0.5, 0u, 1.0);
 }

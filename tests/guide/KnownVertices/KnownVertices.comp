@@ -29,5 +29,5 @@ void main()
     vec4 u = random4(random_key(at, frame.c.frame, frame.c.seed), 0u, 0u);
     uint lobe = select_lobe(m, u.z);
     vec3 w = params.identical != 0u ? lobe_direction(m, 0u) : sample_vmf(lobe_direction(m, lobe), m.kappa[lobe], u.xy);
-    PathVertexArray(params.vertices).at[pixel] = make_path_vertex(position, vec3(0.0, 1.0, 0.0), 3u, w, 1.0);
+    PathVertexArray(params.vertices).at[pixel] = make_path_vertex(position, vec3(0.0, 1.0, 0.0), 3u, w, 1.0, 1.0);
 }

@@ -89,7 +89,7 @@ void main()
         kept.ucw = sum > 0.0 ? sum / luminance(value) : 0.0;
         radiance = value * kept.ucw;
         if (sum > 0.0) {
-            vertex = make_path_vertex(v.point.position, v.point.normal, v.material, kept.wi, 1.0);
+            vertex = make_path_vertex(v.point.position, v.point.normal, v.material, kept.wi, 1.0, 1.0);
             set_final(vertex, false);
         }
     }
