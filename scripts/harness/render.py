@@ -5,7 +5,7 @@ import json
 import os
 import subprocess
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -133,6 +133,13 @@ def make_renderer(job):
     return renderer
 
 
+@dataclass
+class _Kept:
+    renderer: object
+    home: dict  # the scene's own camera
+    warm: bool = False
+
+
 class Renderers:
     """Renderers kept from run to run: to make one takes as long as a dozen small frames.
 
@@ -145,25 +152,37 @@ class Renderers:
     def __init__(self, limit=2 << 30):
         """limit: bytes on the device, scenes included, of all but the renderer in use."""
         self._limit = limit
-        self._kept = {}  # key of all that runs of a renderer share -> (renderer, camera), the last used last
+        self._kept = {}  # key of all that runs of a renderer share -> _Kept, the last used last
 
     def begin(self, job):
         """The job's renderer at the start of a run, and the scene's own camera."""
-        key = replace(job, seed=0, frames=0, reference=None, references=(), at=(), still=0, gain=1.0).key
-        renderer, home = self._kept.pop(key, (None, None))
-        if renderer is None:
-            renderer = make_renderer(job)
-            home = renderer.camera
-            self._make_room(sum(renderer.memory().values()))
+        kept = self._of(job)
+        renderer = kept.renderer
+        if not kept.warm:
             renderer.render(2)
-        self._kept[key] = renderer, home
+            kept.warm = True
         renderer.seed = job.seed
         if job.motion:
-            job.motion.apply(renderer, home, job.still or 1)
+            job.motion.apply(renderer, kept.home, job.still or 1)
         renderer.cut()
         renderer.render(1)
         renderer.cut()
-        return renderer, home
+        return renderer, kept.home
+
+    def probe(self, job):
+        """What can be known before the first frame: every knob's value, and the device."""
+        renderer = self._of(job).renderer
+        return {"knobs": renderer.knobs(), "device": dict(renderer.device_info)}
+
+    def _of(self, job):
+        key = replace(job, seed=0, frames=0, reference=None, references=(), at=(), still=0, gain=1.0).key
+        kept = self._kept.pop(key, None)
+        if kept is None:
+            renderer = make_renderer(job)
+            self._make_room(sum(renderer.memory().values()))
+            kept = _Kept(renderer, renderer.camera)
+        self._kept[key] = kept
+        return kept
 
     def forget(self):
         """Drop them all, as after a failure that may have left one of them or its device unusable."""
@@ -171,16 +190,10 @@ class Renderers:
 
     def _make_room(self, needed):
         """Drop those that were not used for longest until there is room for so many bytes."""
-        sizes = {key: sum(renderer.memory().values()) for key, (renderer, _) in self._kept.items()}
+        sizes = {key: sum(kept.renderer.memory().values()) for key, kept in self._kept.items()}
         for key in list(self._kept):
             if sum(sizes.values()) + needed > self._limit:
                 del self._kept[key], sizes[key]
-
-
-def probe(job):
-    """What can be known before the first frame: every knob's value, and the device."""
-    renderer = make_renderer(job)
-    return {"knobs": renderer.knobs(), "device": dict(renderer.device_info)}
 
 
 def dropped_samples(renderer):

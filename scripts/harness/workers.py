@@ -26,7 +26,7 @@ class Worker:
     def do(self, kind, job, tick=lambda frames: None):
         """Do a task, see Pool.run: its answer is returned, its result kept in the cache."""
         if kind == "probe":
-            return render.probe(job)
+            return self._renderers.probe(job)
         self._cache.store(job.key, job.run() if kind == "call" else self._run(job, tick))
 
     def _run(self, job, tick):
