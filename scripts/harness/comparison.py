@@ -72,6 +72,7 @@ class Comparison:
             for method in self._all_methods()
         }
         self.plans = []
+        self.display.start(len(settings.scenes) * len(self._all_methods()), "checked")
         for scene in settings.scenes:
             base = Job(
                 scene=scene,
@@ -90,6 +91,7 @@ class Comparison:
             )
             jobs = [self._job(base, method, descriptions[method.graph]) for method in self._all_methods()]
             self.plans.append(self._plan(scene, jobs, self._probe(jobs)))
+        self.display.stop()
 
     def _all_methods(self):
         """The methods, and last the reference's graph unless the reference is a file."""
@@ -113,11 +115,12 @@ class Comparison:
         """The knobs and device of each job, from the cache or a worker."""
         keys = {job.label: digest(f"probe {job.key}".encode()) for job in jobs}
         found = {label: self.cache.load(key) for label, key in keys.items()}
-        for job, failure, answer in self._pool.run(
-            [job for job in jobs if not found[job.label]], kind="probe"
-        ):
+        missing = [job for job in jobs if not found[job.label]]
+        self.display.skip(len(jobs) - len(missing))
+        for job, failure, answer in self._pool.run(missing, kind="probe"):
             if failure:
                 raise UserError(failure)
+            self.display.advance(1, f"{job.label} on {job.scene}")
             found[job.label] = {"meta": answer}
             self.cache.store(keys[job.label], found[job.label])
         return {label: result["meta"] for label, result in found.items()}

@@ -25,8 +25,9 @@ class Display:
         self._total = self._done = 0.0
         self._started = self._printed = time.monotonic()
 
-    def start(self, total):
-        """Begin a stretch of `total` work."""
+    def start(self, total, done="rendered"):
+        """Begin a stretch of `total` work; `done`: what work that is behind us is."""
+        self._word = done
         self._total, self._done, self._rendered = total, 0.0, 0.0
         self._started = self._printed = time.monotonic()
         if self._console.is_terminal:
@@ -59,7 +60,7 @@ class Display:
             self._printed = time.monotonic()
             left = (self._printed - self._started) * (self._total - self._done) / self._done
             self.message(
-                f"{100 * self._done / self._total:.0f}% rendered, {left / 60:.1f} min left ({description})"
+                f"{100 * self._done / self._total:.0f}% {self._word}, {left / 60:.1f} min left ({description})"
             )
 
     def message(self, text):
