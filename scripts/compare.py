@@ -21,27 +21,11 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from harness import UserError, analysis, render, report, selftest, tables  # noqa: E402
+from harness import UserError, analysis, program, render, report, selftest, tables  # noqa: E402
 from harness.comparison import PATH_TRACER, Comparison, Settings  # noqa: E402
-from harness.display import Display  # noqa: E402
 from harness.jobs import Cache, parse_method  # noqa: E402
 from harness.motion import Motion  # noqa: E402
 from harness.workers import open_pool  # noqa: E402
-
-
-def size(text):
-    """`WxH` in pixels."""
-    width, _, height = text.partition("x")
-    if not (width.isdigit() and height.isdigit() and 8 <= int(width) <= 16384 and 8 <= int(height) <= 16384):
-        raise argparse.ArgumentTypeError(f"'{text}' is not WIDTHxHEIGHT of at least 8x8, as in 160x90")
-    return int(width), int(height)
-
-
-def positive(text):
-    """A whole number of at least 1."""
-    if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least 1")
-    return int(text)
 
 
 def frame_numbers(text):
@@ -78,8 +62,8 @@ def parse(arguments):
         default=["out/scenes/door_ajar.glb"],
         help=".glb or .gltf (%(default)s)",
     )
-    add("--size", type=size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
-    add("--frames", type=positive, help="frames of a run (32, or the last of --at)")
+    add("--size", type=program.size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
+    add("--frames", type=program.positive, help="frames of a run (32, or the last of --at)")
     add(
         "--at",
         type=frame_numbers,
@@ -96,7 +80,7 @@ def parse(arguments):
         metavar="METRES",
         help="move the camera round a circle of this radius in its own plane, 6 frames a turn",
     )
-    add("--seeds", type=positive, default=8, help="independent runs of each method (%(default)s)")
+    add("--seeds", type=program.positive, default=8, help="independent runs of each method (%(default)s)")
     add(
         "--base-seed",
         type=int,
@@ -105,7 +89,7 @@ def parse(arguments):
     )
     add(
         "--bounces",
-        type=positive,
+        type=program.positive,
         help="bounce cap of every pass and of the reference (the scene's, or the graph's own)",
     )
     add("--environment", metavar="FILE|R,G,B", help="environment light in place of the scene's")
@@ -119,20 +103,20 @@ def parse(arguments):
     )
     add(
         "--reference-frames",
-        type=positive,
+        type=program.positive,
         metavar="N",
         help="frames of the reference in all (32 times --frames)",
     )
     add(
         "--reference-batches",
-        type=positive,
+        type=program.positive,
         default=16,
         metavar="R",
         help="independent parts of the reference, for its own standard error (%(default)s)",
     )
     add(
         "--jobs",
-        type=positive,
+        type=program.positive,
         default=1,
         help="runs at a time: more than one spoils the times (%(default)s)",
     )
@@ -149,7 +133,7 @@ def parse(arguments):
         action="store_true",
         help="measure the harness: false alarms between equal methods, power to find a 1%% error of energy",
     )
-    add("--trials", type=positive, default=60, help="of the self-test (%(default)s)")
+    add("--trials", type=program.positive, default=60, help="of the self-test (%(default)s)")
     return parser.parse_args(arguments)
 
 
@@ -211,26 +195,16 @@ def compare(options, cache, pool, display):
 def main(arguments):
     """The command line. Returns the exit code."""
     options = parse(arguments)
-    display = Display()
-    try:
+
+    def body(display):
         render.find_package()
         cache = Cache(options.cache or Path(options.out) / "cache")
         # Nothing is timed in the self-test, and most of a small run is one core's work.
         count = os.cpu_count() if options.self_test else options.jobs
         with open_pool(cache.folder, count, options.scheduler) as pool:
             return (selftest.run if options.self_test else compare)(options, cache, pool, display)
-    except UserError as error:
-        display.stop()
-        print(f"compare.py: {error}", file=sys.stderr)
-        return 2
-    except OSError as error:
-        display.stop()
-        print(f"compare.py: {error}; choose another folder with --out", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        display.stop()
-        print("\ninterrupted; finished runs are kept: the same command goes on from here", file=sys.stderr)
-        return 130
+
+    return program.run("compare.py", body)
 
 
 if __name__ == "__main__":

@@ -13,31 +13,34 @@ METRIC = (
 )
 
 
-def columns(runs, methods):
-    """[pictures.Picture]: the reference and each method's last frame, and the crops where they differ most."""
+def settled(runs):
+    """{label: MAPE of settled single frames by seed}."""
+    return errors.by_seed(runs, "frame")
+
+
+def columns(runs, methods, measured=settled):
+    """[pictures.Picture]: the reference and each method's last frame, and the crops where they differ most.
+
+    measured(runs): the errors, by label and seed, that stand underneath.
+    """
     truth = runs.reference["mean"].astype(float)
-    frame = errors.by_seed(runs, "frame")
+    values = measured(runs)
     known = [one for one in methods if one.label in runs.runs]
-    maps = [
-        pictures.relative_error([run["frame"] for run in runs.runs[one.label]], truth) for one in known
-    ]
+    maps = [pictures.relative_error([run["frame"] for run in runs.runs[one.label]], truth) for one in known]
     shown = [pictures.Picture("reference", truth, "MAPE")]
     shown += [
         pictures.Picture(
-            one.label, runs.runs[one.label][0]["frame"], str(percent(*st.mean_se(frame[one.label])))
+            one.label, runs.runs[one.label][0]["frame"], str(percent(*st.mean_se(values[one.label])))
         )
         for one in known
     ]
     return shown, pictures.crops_of(maps)
 
 
-def rows_of(results, methods):
-    """The drawing of one row a scene."""
-    drawn = []
-    for runs in results.runs:
-        shown, crops = columns(runs, methods)
-        drawn.append((name_of(runs.scene), pictures.exposure_of(runs.reference["mean"]), crops, shown))
-    return pictures.rows(drawn)
+def row_of(runs, methods, measured=settled):
+    """A scene's row for pictures.rows."""
+    shown, crops = columns(runs, methods, measured)
+    return name_of(runs.scene), pictures.exposure_of(runs.reference["mean"]), crops, shown
 
 
 def section(paper, study, number, title, text, shown):
@@ -46,10 +49,11 @@ def section(paper, study, number, title, text, shown):
     results = paper.compare(study, name)
     if not results.runs:
         return Section(f"Figure {number}: {title}", "Nothing was finished: see what failed.")
+    drawing = pictures.rows([row_of(runs, shown) for runs in results.runs])
     return Section(
         f"Figure {number}: {title}",
         f"{text} {METRIC}",
-        [Picture(name, f"Figure {number}: {title}.", rows_of(results, shown))],
+        [Picture(name, f"Figure {number}: {title}.", drawing)],
         [errors.table(name, f"Figure {number}: errors", results, shown)],
         results.findings,
     )

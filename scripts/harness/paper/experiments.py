@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from harness.paper import ablation, comparisons, cost, figure_2, figure_4, table_1
+from harness.paper import ablation, comparisons, cost, figure_2, figure_4, motion, table_1
 
 #: Microseconds a pixel and frame on two cores (lavapipe, benchmarks/results/restir_pt_cost.md), for --list alone.
 REUSE_COST, PATH_COST = 18.0, 4.5
@@ -52,6 +52,10 @@ EXPERIMENTS = (
         comparisons.figure_6, lambda paper: (comparisons.study_6(paper),),
     ),
     Experiment(
+        "figure 7", "moving light, and one that jumps: error of frames against their own references",
+        motion.figure_7, lambda paper: tuple(motion.studies_7(paper).values()),
+    ),
+    Experiment(
         "figure 8", "the four methods on glossy surfaces",
         comparisons.figure_8, lambda paper: (comparisons.study_8(paper),),
     ),
@@ -59,6 +63,10 @@ EXPERIMENTS = (
     Experiment(
         "cost", "time of passes, the guide's overhead, memory (figure 5's runs)",
         cost.run, lambda paper: (comparisons.study_5(paper),), _cells,
+    ),
+    Experiment(
+        "motion", "swinging door, and a camera on a circle, as figure 7",
+        motion.run, lambda paper: tuple(motion.studies_motion(paper).values()),
     ),
     Experiment(
         "ablation", "alpha, lobes, cell size, final edges, training data",
@@ -73,12 +81,18 @@ def jobs_and_minutes(paper, experiments):
     size = paper.size
     pixels = size.size[0] * size.size[1]
     studies = dict.fromkeys(study for experiment in experiments for study in experiment.studies(paper))
-    runs = {(method, scene) for study in studies for method in study.methods for scene in study.scenes}
-    references = {scene for study in studies for scene in study.scenes}
+    runs = {
+        (method, scene, study.changes) for study in studies for method in study.methods for scene in study.scenes
+    }
+    references = {
+        (scene, study.changes): (study.views, dict(study.changes).get("reference_frames", size.reference_frames))
+        for study in studies
+        for scene in study.scenes
+    }
     counts = dict.fromkeys((experiment.calls, experiment.calls(paper)) for experiment in experiments)
     calls, call_frames = (sum(values[at] for _, values in counts) for at in (0, 1))
     seconds = START_COST * (len(runs) + len(references) + calls)
     seconds += 1e-6 * pixels * REUSE_COST * (len(runs) * size.seeds * size.frames + call_frames)
-    seconds += 1e-6 * pixels * PATH_COST * len(references) * size.reference_frames
-    jobs = len(runs) * size.seeds + len(references) * size.reference_batches + calls
+    seconds += 1e-6 * pixels * PATH_COST * sum(views * frames for views, frames in references.values())
+    jobs = len(runs) * size.seeds + calls + size.reference_batches * sum(views for views, _ in references.values())
     return jobs, seconds / 60

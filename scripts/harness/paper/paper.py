@@ -1,6 +1,7 @@
 """What the figures share: sizes, scenes, methods, and runs and calls that are kept in one cache."""
 
 import json
+import os
 import subprocess
 import sys
 from dataclasses import dataclass, replace
@@ -10,14 +11,13 @@ from harness import UserError, analysis, render, report, scenes, tables
 from harness.comparison import Comparison, Settings
 from harness.jobs import Call, Method
 
-GRAPHS = render.ROOT / "graphs"
-PATH_TRACER = str(GRAPHS / "path_tracer.py")
+GRAPHS = os.path.relpath(render.ROOT / "graphs")  # from any folder
 
 
 def method(graph, label, **knobs):
     """A graph of graphs/; a knob "splat__cell_size" is the pass's `splat.cell_size`."""
     settings = tuple((name.replace("__", "."), value) for name, value in knobs.items())
-    return Method(label, str(GRAPHS / f"{graph}.py"), settings)
+    return Method(label, f"{GRAPHS}/{graph}.py", settings)
 
 
 UNGUIDED = method("restir_pt", "without guiding")
@@ -57,6 +57,7 @@ class Study:
     methods: tuple
     scenes: tuple  # names or files
     changes: tuple = ()  # ((field of Settings, value), ...): what differs from the evaluation's settings
+    views: int = 1  # references a scene: measured frames that show different things
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,6 @@ class Paper:
             size=size.size,
             frames=size.frames,
             seeds=size.seeds,
-            reference_graph=PATH_TRACER,
             reference_frames=size.reference_frames,
             reference_batches=size.reference_batches,
         )
@@ -154,12 +154,14 @@ class Paper:
 
     def answers(self, calls):
         """The calls' results in order, None for one that failed; what is not in the cache is measured."""
-        missing = [call for call in dict.fromkeys(calls) if self.cache.load(call.key) is None]
+        keys = [call.key for call in calls]
+        calls = dict(zip(keys, calls))
+        missing = [call for call in calls.values() if self.cache.load(call.key) is None]
         for number, (call, failure, _) in enumerate(self.pool.run(missing, kind="call"), 1):
             if failure:
                 self.failures.append(f"{call.label}: {failure}")
             self.display.message(f"{call.label}: {number} of {len(missing)}{' failed' if failure else ''}")
-        return [self.cache.load(call.key) for call in calls]
+        return [self.cache.load(key) for key in keys]
 
 
 def name_of(scene):
