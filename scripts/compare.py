@@ -114,20 +114,7 @@ def parse(arguments):
         metavar="R",
         help="independent parts of the reference, for its own standard error (%(default)s)",
     )
-    add(
-        "--jobs",
-        type=program.positive,
-        default=1,
-        help="runs at a time: more than one spoils the times (%(default)s)",
-    )
-    add(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="run on the workers of this Dask scheduler, as tcp://head:8786, in place of --jobs; they must see the "
-        "repository, its build, scenes, graphs and the cache under the same paths",
-    )
-    add("--out", default="out/compare", help="folder of the report, CSV and EXR files (%(default)s)")
-    add("--cache", help="folder of finished runs (OUT/cache)")
+    program.add_runner(parser, "out/compare")
     add(
         "--self-test",
         action="store_true",

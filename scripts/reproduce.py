@@ -3,11 +3,11 @@
 
     scripts/reproduce.py WHAT... [--quick | --full] [--scenes NAME|FILE...] [--out out/reproduce]
 
-WHAT is one or more of: figure 1, 2, 4, 5, 6, 7 or 8 (`figure 5 6`), `table 1`, `cost`, `ablation`, `motion`, or
-`all`. Writes report.html, which needs no network, and beside it PNG, CSV and EXR files. Finished runs are kept
-and shared by all figures: the same command again, after any interruption, goes on where it stopped. Embedded
-scenes are named as by `scripts/make_scenes.py --list`; a FILE is any .glb or .gltf. Exit code: 0; 1 when a run
-failed (the others are reported); 2 for a mistake in what was asked; 130 after Ctrl-C.
+WHAT is one or more of: figure 1, 2, 4, 5, 6, 7 or 8 (`figure 5 6`), `table 1`, `cost`, `ablation`, `motion`,
+or `all`. Writes report.html, which needs no network, and beside it PNG, CSV and EXR files. Finished runs are
+kept and shared by all figures: the same command again, after any interruption, goes on where it stopped.
+Embedded scenes are named as by `scripts/make_scenes.py --list`; a FILE is any .glb or .gltf. Exit code: 0; 1
+when a run failed (the others are reported); 2 for a mistake in what was asked; 130 after Ctrl-C.
 """
 
 import argparse
@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from harness import UserError, program, render  # noqa: E402
 from harness.jobs import Cache  # noqa: E402
 from harness.paper import experiments, page, paper  # noqa: E402
-from harness.workers import Pool  # noqa: E402
+from harness.workers import open_pool  # noqa: E402
 
 
 def parse(arguments):
@@ -35,26 +35,28 @@ def parse(arguments):
     add("--scenes", nargs="+", metavar="NAME|FILE", help="scenes in place of the figures' own")
     sizes = parser.add_mutually_exclusive_group()
     for size in (paper.QUICK, paper.FULL):
-        sizes.add_argument(f"--{size.name}", dest="preset", action="store_const", const=size, help=describe(size))
+        sizes.add_argument(
+            f"--{size.name}", dest="preset", action="store_const", const=size, help=describe(size)
+        )
     parser.set_defaults(preset=paper.DEFAULT)
-    add("--size", type=program.size, metavar="WxH", help=f"pixels ({describe(paper.DEFAULT)} without --quick, --full)")
+    add(
+        "--size",
+        type=program.size,
+        metavar="WxH",
+        help=f"pixels ({describe(paper.DEFAULT)} without --quick, --full)",
+    )
     for name, what in (("frames", "frames of a run"), ("seeds", "independent runs of each method")):
         add(f"--{name}", type=program.positive, metavar="N", help=what)
     add("--reference-frames", type=program.positive, metavar="N", help="paths a pixel of the references")
-    add(
-        "--jobs",
-        type=program.positive,
-        default=1,
-        help="runs at a time: more than one spoils the times (%(default)s)",
-    )
-    add("--out", default="out/reproduce", help="folder of the report and all files (%(default)s)")
-    add("--cache", help="folder of finished runs (OUT/cache)")
+    program.add_runner(parser, "out/reproduce")
     return parser.parse_args(arguments)
 
 
 def describe(size):
     """A preset in a line."""
-    return f"{size.size[0]}x{size.size[1]}, {len(size.scenes)} scenes, {size.seeds} seeds, {size.frames} frames"
+    return (
+        f"{size.size[0]}x{size.size[1]}, {len(size.scenes)} scenes, {size.seeds} seeds, {size.frames} frames"
+    )
 
 
 def chosen(words):
@@ -73,7 +75,9 @@ def chosen(words):
         else:
             raise UserError(f"there is no '{name}'; there are: {', '.join(experiments.BY_NAME)}, all")
     if not names:
-        raise UserError("say what to reproduce, as in scripts/reproduce.py figure 5 --quick; --list says what there is")
+        raise UserError(
+            "say what to reproduce, as in scripts/reproduce.py figure 5 --quick; --list says what there is"
+        )
     return [experiment for experiment in experiments.EXPERIMENTS if experiment.name in names]
 
 
@@ -86,7 +90,9 @@ def size_from(options):
 def print_list(evaluation):
     """What there is."""
     print(f"{'':10} {'jobs':>5} {'minutes':>7}   at {describe(evaluation.size)}")
-    for name, several in [(one.name, [one]) for one in experiments.EXPERIMENTS] + [("all", experiments.EXPERIMENTS)]:
+    for name, several in [(one.name, [one]) for one in experiments.EXPERIMENTS] + [
+        ("all", experiments.EXPERIMENTS)
+    ]:
         jobs, minutes = experiments.jobs_and_minutes(evaluation, several)
         shows = several[0].shows if len(several) == 1 else "all of these; what figures share is run once"
         print(f"{name:10} {jobs:5} {minutes:7.0f}   {shows}")
@@ -126,7 +132,7 @@ def main(arguments):
         if not options.list:
             chosen(options.what)
         cache = Cache(options.cache or Path(options.out) / "cache")
-        with Pool(cache.folder, options.jobs) as pool:
+        with open_pool(cache.folder, options.jobs, options.scheduler) as pool:
             return reproduce(options, cache, pool, display)
 
     return program.run("reproduce.py", body)

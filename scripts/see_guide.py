@@ -27,7 +27,6 @@ import restirpg
 from harness import UserError, guide_maps
 
 
-
 def parse():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter

@@ -1,5 +1,5 @@
-"""How many samples a cell of the guiding grid gets in a frame, from the paths that ReSTIR PT selected and from
-its raw candidates.
+"""How many samples a cell of the guiding grid gets in a frame, from the paths that ReSTIR PT selected and
+from its raw candidates.
 
 A sample is a smooth bounce of a path that carries light. Candidates are unguided here (alpha = 1), so that
 both see the same frames. [Zeng et al. 2025, table 1]
@@ -38,8 +38,8 @@ def averages(mine, other):
 
 
 def measure(scene, description, size, seed, bounces=None, first=8, last=12):
-    """Frames `first` to `last` of a run of ReSTIR PG, a graph's description as JSON: `averages` (frames, 2, 3)
-    of ReSTIR and raw, `cells` (frames, 2) that they touched, `guiding` (frames,): cells fit to guide.
+    """Frames `first` to `last` of a run of ReSTIR PG, a graph's description as JSON: `averages` (frames, 2,
+    3) of ReSTIR and raw, `cells` (frames, 2) that they touched, `guiding` (frames,): cells fit to guide.
     """
     import restirpg
 

@@ -1,10 +1,10 @@
-"""What guides the paths at some points: fitted lobes, the directions they were fitted to, and the true product
-rho L_i cos, in bins of the hemisphere about the surface's normal: azimuth to the right, cosine downwards from 1
-to 0, so that equal areas are equal solid angles. [Zeng et al. 2025, figure 4]
+"""What guides the paths at some points: fitted lobes, the directions they were fitted to, and the true
+product rho L_i cos, in bins of the hemisphere about the surface's normal: azimuth to the right, cosine
+downwards from 1 to 0, so that equal areas are equal solid angles. [Zeng et al. 2025, figure 4]
 
-The product is a render of what the point sees (five faces of a cube, path traced with one bounce less, without
-what is emitted towards the point itself: direct light is not ReSTIR PT's); it stands for the product on diffuse
-surfaces alone.
+The product is a render of what the point sees (five faces of a cube, path traced with one bounce less,
+without what is emitted towards the point itself: direct light is not ReSTIR PT's); it stands for the product
+on diffuse surfaces alone.
 """
 
 import numpy as np
@@ -58,12 +58,14 @@ class Point:
         return sums / max(sums.sum(), 1e-30)
 
 
-def learn(scene, description, pixels, size, frames, seed=1, bounces=None, cell_size=None, raw=False):
+def learn(
+    scene, description, pixels, size, frames, seed=1, bounces=None, cell_size=None, raw=False, strict=True
+):
     """Render a graph's description. Returns the points that the pixels show and, for each, a list of
     (directions (n, 3), weights (n,)) a frame, and its last fitted mixture or None.
 
-    raw: instead of the vertices of the paths that were selected, those of raw unguided path trees, weighted by
-    light, BSDF and cosine.
+    raw: instead of the vertices of the paths that were selected, those of raw unguided path trees, weighted
+    by light, BSDF and cosine. strict: see find_points.
     """
     port = ("paths", "samples") if raw else ("reuse", "vertices")
     shown = [
@@ -85,7 +87,7 @@ def learn(scene, description, pixels, size, frames, seed=1, bounces=None, cell_s
         renderer.render(1)
         header = read_table(renderer.read_port("splat.statistics"), SUMS)[0]
         grid = grid_of(header)
-        points = points or find_points(renderer, grid, pixels, size)
+        points = points or find_points(renderer, grid, pixels, size, strict)
         data = renderer.read_port(".".join(port)).view(SAMPLE if raw else VERTEX)
         data = data[is_valid(data)]
         keys = grid.keys(
@@ -101,8 +103,12 @@ def learn(scene, description, pixels, size, frames, seed=1, bounces=None, cell_s
     return points, [list(samples) for samples in zip(*collected)], mixtures
 
 
-def find_points(renderer, grid, pixels, size):
-    """The points that the pixels see; raises UserError where a pixel shows no surface."""
+def find_points(renderer, grid, pixels, size, strict=True):
+    """The points that the pixels see.
+
+    Where a pixel shows no surface UserError is raised, or, unless `strict`, the next one towards the
+    picture's middle that does is taken.
+    """
     width, height = size
     camera = {name: np.array(value) for name, value in renderer.camera.items()}
     forward = camera["target"] - camera["position"]
@@ -113,6 +119,8 @@ def find_points(renderer, grid, pixels, size):
     images = {name: renderer.output(name) for name in ("normal", "depth", "material")}
     points = []
     for x, y in pixels:
+        if not strict:
+            x, y = _next_surface(images["depth"][..., 0], x, y)
         if not (0 <= x < width and 0 <= y < height and images["depth"][y, x, 0] > 0):
             raise UserError(f"pixel {x} {y} shows no surface; give one of the {width}x{height} that does")
         across, down = (2 * (x + 0.5) / width - 1) * width / height, 1 - 2 * (y + 0.5) / height
@@ -123,6 +131,16 @@ def find_points(renderer, grid, pixels, size):
         face, material = np.array([2 * axis + (normal[axis] < 0)]), images["material"][y, x].astype(int)
         points.append(Point(position, normal, int(grid.keys(position[None], face, material)[0][0])))
     return points
+
+
+def _next_surface(depth, x, y):
+    """The first pixel with a surface from x, y to the picture's middle; the last one if there is none."""
+    height, width = depth.shape
+    for t in np.linspace(0, 1, 2 * max(width, height)):
+        at = round(x + t * (width // 2 - x)), round(y + t * (height // 2 - y))
+        if depth[at[1], at[0]] > 0:
+            break
+    return at
 
 
 def product_at(point, scene, bounces):
@@ -163,7 +181,8 @@ def divergence(histogram, product):
 
 
 def histograms(samples, point):
-    """[(frames, samples, effective samples, histogram)] of the first 1, 2, 4 ... frames; none of no samples."""
+    """[(frames, samples, effective samples, histogram)] of the first 1, 2, 4 ... frames; none of no
+    samples."""
     rows, frames = [], 1
     while frames <= len(samples):
         directions = np.concatenate([d for d, _ in samples[:frames]])
@@ -176,7 +195,8 @@ def histograms(samples, point):
 
 
 def score(histogram, effective, product, random):
-    """(divergence from the product, that of as many independent draws, chi-square over degrees of freedom)."""
+    """(divergence from the product, that of as many independent draws, chi-square over degrees of
+    freedom)."""
     n = max(round(effective), 1)
     draws = random.multinomial(n, product.ravel() / product.sum(), 20) / n
     least = np.mean([divergence(draw.reshape(product.shape), product) for draw in draws])
@@ -199,10 +219,9 @@ def lobes_in(mixture, point):
     return density / density.sum()
 
 
-
-
 def draw(rows, titles):
-    """A figure of maps: rows [(label, [map or None])], densities on one scale a row, that of its first map."""
+    """A figure of maps: rows [(label, [map or None])], densities on one scale a row, that of its first
+    map."""
     figure = Figure(figsize=(4 * len(titles), 0.3 + 1.5 * len(rows)))
     axes = figure.subplots(len(rows), len(titles), squeeze=False)
     for row, (label, maps) in zip(axes, rows):

@@ -22,6 +22,24 @@ def positive(text):
     return int(text)
 
 
+def add_runner(parser, out):
+    """Arguments of who runs the jobs and where results go; `out`: the default folder."""
+    parser.add_argument(
+        "--jobs",
+        type=positive,
+        default=1,
+        help="runs at a time: more than one spoils the times (%(default)s)",
+    )
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="run on the workers of this Dask scheduler, as tcp://head:8786, in place of --jobs; they must see "
+        "the repository, its build, scenes, graphs and the cache under the same paths",
+    )
+    parser.add_argument("--out", default=out, help="folder of the report, CSV and EXR files (%(default)s)")
+    parser.add_argument("--cache", help="folder of finished runs (OUT/cache)")
+
+
 def run(name, body):
     """body(display)'s exit code; 2 and one line for a user's mistake, 130 after Ctrl-C."""
     display = Display()

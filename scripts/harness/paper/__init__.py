@@ -1,5 +1,5 @@
 """The evaluation of Zeng et al. 2025, figure by figure, behind scripts/reproduce.py.
 
-A module each: `run(paper)` measures and returns a page.Section, `plan(paper)` says what will be rendered. All go
-through the runner, cache and statistics of the harness; paper.Paper holds what they share.
+Each module measures by way of a paper.Paper, which goes through the runner, cache and statistics of the
+harness, and returns a page.Section; experiments.py lists them.
 """

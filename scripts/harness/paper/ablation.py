@@ -11,7 +11,8 @@ from harness.paper.paper import OURS, Study, method, name_of
 from matplotlib.figure import Figure  # isort: skip
 
 DEFAULT = "default"
-# title -> (what the default's value is called, [(value's name, graph's ending, knobs)]); the default stands first.
+# title -> (what the default's value is called, [(value's name, graph's ending, knobs)]); the default stands
+# first.
 FAMILIES = {
     "alpha: share of BSDF sampling": (
         "0.5",
@@ -22,13 +23,17 @@ FAMILIES = {
         "0.12",
         [(f"{size:g}", "", {"splat__cell_size": size}) for size in (0.03, 0.06, 0.24)],
     ),
-    "final edges splatted": ("all", [(edges, "", {"splat__final_edges": edges}) for edges in ("scattered", "none")]),
+    "final edges splatted": (
+        "all",
+        [(edges, "", {"splat__final_edges": edges}) for edges in ("scattered", "none")],
+    ),
     "training data": (
         "ReSTIR",
         [("candidates (PT)", "_by_candidates", {}), ("temporal only", "_by_temporal", {})],
     ),
 }
-# What is shown of each variant: the graphs' stem, that of another training, and what the default stands against.
+# What is shown of each variant: the graphs' stem, that of another training, and what the default stands
+# against.
 SHOWN = {
     "after resampling": ("restir_pg", "guided", "restir_pt"),
     "candidates alone": ("candidates_guided", "candidates_guided", "candidates_unguided"),
@@ -54,7 +59,8 @@ def values_of(results):
 
 
 def rows_of_scene(scene, values):
-    """Rows of one scene: {shown: {label: by seed}}, and the groups to be tested, in the order of the Nones."""
+    """Rows of one scene: {shown: {label: by seed}}, and the groups to be tested, in the order of the
+    Nones."""
     rows, groups = [], []
 
     def add(title, name, label):
@@ -80,7 +86,8 @@ def rows_of_scene(scene, values):
 
 
 def drawing(values):
-    """A panel a family: change against the default by variant, one standard error, colours by scene, marks by kind."""
+    """A panel a family: change against the default by variant, one standard error, colours by scene, marks by
+    kind."""
     figure = Figure(figsize=(15.4, 3.6))
     axes = figure.subplots(1, len(FAMILIES), sharey=True)
     series = [(scene, shown) for scene in values for shown in values[scene]]
@@ -133,9 +140,12 @@ def run(paper):
         [[next(words) if cell is None else cell for cell in row] for row in rows],
     )
     text = (
-        f"One knob at a time is changed of {OURS.label}; errors are MAPE of single frames, over the second half of "
-        "each run. After resampling little of a guide's effect is left; the candidates alone show what it does. Not in "
-        "the paper, which fixes alpha at 0.5 and 4 lobes and does not give its cell size."
+        f"One knob at a time is changed of {OURS.label}; errors are MAPE of single frames, over the second "
+        "half of each run. After resampling little of a guide's effect is left; the candidates alone show "
+        "what it does. Not in the paper, which fixes alpha at 0.5 and 4 lobes and does not give its cell "
+        "size."
     )
-    pictures = [Picture("ablation", "Change of MAPE against the default, ± one standard error.", drawing(values))]
+    pictures = [
+        Picture("ablation", "Change of MAPE against the default, ± one standard error.", drawing(values))
+    ]
     return Section("Ablations", text, pictures if values else [], [table])

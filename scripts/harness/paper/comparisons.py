@@ -5,11 +5,14 @@ from harness.paper import errors, pictures
 from harness.paper.page import Picture, Section, percent
 from harness.paper.paper import METHODS, SHOWN, Study, method, name_of
 
-CANDIDATES = (method("candidates_unguided", "candidates, unguided"), method("candidates_guided", "candidates, guided"))
+CANDIDATES = (
+    method("candidates_unguided", "candidates, unguided"),
+    method("candidates_guided", "candidates, guided"),
+)
 METRIC = (
-    "Pictures are single frames, the last of the first seed's run, as the paper's are; errors are MAPE (the paper's "
-    "footnote 4) of single frames, averaged over the second half of each run, ± one standard error over seeds. Crops are "
-    "where the methods' mean errors differ most."
+    "Pictures are single frames, the last of the first seed's run, as the paper's are; errors are MAPE (the "
+    "paper's footnote 4) of single frames, averaged over the second half of each run, ± one standard error "
+    "over seeds. Crops are where the methods' mean errors differ most."
 )
 
 

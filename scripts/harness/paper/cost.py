@@ -43,7 +43,8 @@ def times_table(results):
 
 
 def shares_table(results):
-    """The overhead and its parts; shares are ratios of means, for a seed's own overhead may be near 0 or negative."""
+    """The overhead and its parts; shares are ratios of means, for a seed's own overhead may be near 0 or
+    negative."""
     rows = []
     for runs in results.runs:
         if not {OURS.label, UNGUIDED.label} <= set(runs.runs):
@@ -86,14 +87,25 @@ def memory_table(results):
             memory = runs.runs[label][0]["meta"]["memory"]
             fixed = {name: size for name, size in memory.items() if name.startswith(("fit.", "splat."))}
             own = {
-                name: size for name, size in memory.items() if name not in fixed and not name.startswith("scene")
+                name: size
+                for name, size in memory.items()
+                if name not in fixed and not name.startswith("scene")
             }
             groups = {}
             for name, size in own.items():
                 groups[name.split(".")[0]] = groups.get(name.split(".")[0], 0) + size
-            cells = [f"{groups.get(name, 0) / (width * height):.0f}" for name in PASSES if name not in ("splat", "fit")]
+            cells = [
+                f"{groups.get(name, 0) / (width * height):.0f}"
+                for name in PASSES
+                if name not in ("splat", "fit")
+            ]
             rows.append(
-                [label, f"{sum(own.values()) / (width * height):.0f}", *cells, f"{sum(fixed.values()) / 2**20:.2f}"]
+                [
+                    label,
+                    f"{sum(own.values()) / (width * height):.0f}",
+                    *cells,
+                    f"{sum(fixed.values()) / 2**20:.2f}",
+                ]
             )
     header = ["method", "bytes a pixel", *(name for name in PASSES if name not in ("splat", "fit"))]
     header.append("tables of cells, MiB, whatever the size")
@@ -164,9 +176,9 @@ def run(paper):
     if not results.runs:
         return Section("Cost", "Nothing was finished: see what failed.")
     text = (
-        "Times are the device's timestamps in figure 5's runs, one run at a time unless --jobs says otherwise; they mean "
-        "nothing if other work shared the machine. Guided sampling is what the tracing of paths takes more than without a "
-        "guide."
+        "Times are the device's timestamps in figure 5's runs, one run at a time unless --jobs says "
+        "otherwise; they mean nothing if other work shared the machine. Guided sampling is what the tracing "
+        "of paths takes more than without a guide."
     )
     listed = [times_table(results), shares_table(results), memory_table(results), guide_table(paper, results)]
     return Section("Cost", text, [Picture("cost", "GPU time of a frame by pass.", drawing(results))], listed)

@@ -1,4 +1,5 @@
-"""Errors of a study's methods by seed, and their tables: single frames, as the paper shows, and means of all."""
+"""Errors of a study's methods by seed, and their tables: single frames, as the paper shows, and means of
+all."""
 
 import numpy as np
 
@@ -16,7 +17,8 @@ def single_frames(run):
 
 
 def by_seed(runs, measure):
-    """{label: (seeds,)} of a SceneRuns; `measure`: "frame", single frames, or "mean", of all frames together."""
+    """{label: (seeds,)} of a SceneRuns; `measure`: "frame", single frames, or "mean", of all frames
+    together."""
     value = single_frames if measure == "frame" else lambda run: float(run["mape"][-1])
     return {label: np.array([value(run) for run in seeds]) for label, seeds in runs.runs.items()}
 
@@ -27,7 +29,8 @@ def change(values, baseline):
 
 
 def verdicts(groups):
-    """Words for [(values, baseline)], both by seed: tests paired by seed, corrected (Holm) over all of them."""
+    """Words for [(values, baseline)], both by seed: tests paired by seed, corrected (Holm) over all of
+    them."""
     tests = [st.paired(values, baseline) for values, baseline in groups]
     words = []
     for test, p in zip(tests, st.holm([test.p for test in tests]) if tests else []):
@@ -46,8 +49,8 @@ def table(name, title, results, methods):
     Changes are against the first method of each scene's runs. Words are about single frames.
     """
     header = (
-        "scene", "method", "MAPE, one frame", "change, one frame", "tested, one frame", "MAPE, mean of all frames", "change, mean",
-        "MAPE at equal time", "GPU ms/frame",
+        "scene", "method", "MAPE, one frame", "change, one frame", "tested, one frame",
+        "MAPE, mean of all frames", "change, mean", "MAPE at equal time", "GPU ms/frame",
     )  # fmt: skip
     rows, groups = [], []
     for runs, findings in zip(results.runs, results.findings):
@@ -62,11 +65,16 @@ def table(name, title, results, methods):
             else:
                 groups.append((frame[label], frame[first]))
                 row += [change(frame[label], frame[first]), None]
-            row += [percent(*st.mean_se(mean[label])), "" if label == first else change(mean[label], mean[first])]
+            row += [
+                percent(*st.mean_se(mean[label])),
+                "" if label == first else change(mean[label], mean[first]),
+            ]
             row += [percent(*own.equal_time["mape"]), milliseconds(own)]
             rows.append(row)
     words = iter(verdicts(groups))
-    return Table(name, title, header, [[next(words) if cell is None else cell for cell in row] for row in rows])
+    return Table(
+        name, title, header, [[next(words) if cell is None else cell for cell in row] for row in rows]
+    )
 
 
 def milliseconds(method):

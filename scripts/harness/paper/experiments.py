@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 from harness.paper import ablation, comparisons, cost, figure_2, figure_4, motion, table_1
 
-#: Microseconds a pixel and frame on two cores (lavapipe, benchmarks/results/restir_pt_cost.md), for --list alone.
+#: Microseconds a pixel and frame on two cores (lavapipe, benchmarks/results/restir_pt_cost.md), for --list
+#: alone.
 REUSE_COST, PATH_COST = 18.0, 4.5
 #: Seconds to make a renderer, kernels included.
 START_COST = 5.0
@@ -20,7 +21,6 @@ class Experiment:
     run: Callable  # of a Paper; returns a page.Section
     studies: Callable = lambda paper: ()  # of a Paper; its Studies
     calls: Callable = lambda paper: (0, 0)  # of a Paper: how many Calls, and how many frames in all
-
 
 
 def _directions(paper):
@@ -41,7 +41,8 @@ EXPERIMENTS = (
     ),
     Experiment("figure 2", "flatland: path-traced against resampled samples; no renderer", figure_2.run),
     Experiment(
-        "figure 4", "directions splatted in a cell against the true product, and KL", figure_4.run, calls=_directions
+        "figure 4", "directions splatted in a cell against the true product, and KL",
+        figure_4.run, calls=_directions,
     ),
     Experiment(
         "figure 5", "the four methods: pictures, crops, MAPE",
@@ -77,15 +78,22 @@ BY_NAME = {experiment.name: experiment for experiment in EXPERIMENTS}
 
 
 def jobs_and_minutes(paper, experiments):
-    """How many jobs the experiments are together, shared ones once, and about how many minutes on two cores."""
+    """How many jobs the experiments are together, shared ones once, and about how many minutes on two
+    cores."""
     size = paper.size
     pixels = size.size[0] * size.size[1]
     studies = dict.fromkeys(study for experiment in experiments for study in experiment.studies(paper))
     runs = {
-        (method, scene, study.changes) for study in studies for method in study.methods for scene in study.scenes
+        (method, scene, study.changes)
+        for study in studies
+        for method in study.methods
+        for scene in study.scenes
     }
     references = {
-        (scene, study.changes): (study.views, dict(study.changes).get("reference_frames", size.reference_frames))
+        (scene, study.changes): (
+            study.views,
+            dict(study.changes).get("reference_frames", size.reference_frames),
+        )
         for study in studies
         for scene in study.scenes
     }
@@ -94,5 +102,9 @@ def jobs_and_minutes(paper, experiments):
     seconds = START_COST * (len(runs) + len(references) + calls)
     seconds += 1e-6 * pixels * REUSE_COST * (len(runs) * size.seeds * size.frames + call_frames)
     seconds += 1e-6 * pixels * PATH_COST * sum(views * frames for views, frames in references.values())
-    jobs = len(runs) * size.seeds + calls + size.reference_batches * sum(views for views, _ in references.values())
+    jobs = (
+        len(runs) * size.seeds
+        + calls
+        + size.reference_batches * sum(views for views, _ in references.values())
+    )
     return jobs, seconds / 60

@@ -1,4 +1,5 @@
-"""Figure 2: in flatland, path-traced samples against resampled ones, the image they resolve, and what is fitted."""
+"""Figure 2: in flatland, path-traced samples against resampled ones, the image they resolve, and what is
+fitted."""
 
 import numpy as np
 
@@ -26,8 +27,8 @@ def run_of(seed):
 
 
 def fitted(x, kind, reservoirs, cell):
-    """Lobes of a cell: of path-traced samples weighted by their light, of resampled ones each alike; and how many
-    samples carry light."""
+    """Lobes of a cell: of path-traced samples weighted by their light, of resampled ones each alike; and how
+    many samples carry light."""
     mine = slice(cell * PIXELS // CELLS, (cell + 1) * PIXELS // CELLS)
     light = flatland.estimate(x, reservoirs)[mine]
     angle = flatland.direction(x, reservoirs.s)[mine]
@@ -45,7 +46,10 @@ def measure():
     """{kind: rows of (MAPE, relative bias, divergence)} over seeds."""
     x = run_of(0)[0]
     right = flatland.truth(x)
-    shares = [flatland.true_distribution(x[c * PIXELS // CELLS : (c + 1) * PIXELS // CELLS], BINS) for c in range(CELLS)]
+    shares = [
+        flatland.true_distribution(x[c * PIXELS // CELLS : (c + 1) * PIXELS // CELLS], BINS)
+        for c in range(CELLS)
+    ]
     rows = {kind: [] for kind in KINDS}
     for seed in range(SEEDS):
         _, by_kind = run_of(seed)
@@ -91,7 +95,9 @@ def drawing():
         axis.plot(x, flatland.estimate(x, by_kind[kind]), color=colour, linewidth=0.8, label=kind)
     right = flatland.truth(x)
     axis.plot(x, right, color="black", linewidth=1.6, label="truth")
-    axis.set(title="resolved image, one frame", xlabel="pixel's place on the floor", ylim=(0, 6 * right.mean()))
+    axis.set(
+        title="resolved image, one frame", xlabel="pixel's place on the floor", ylim=(0, 6 * right.mean())
+    )
     axis.legend()
     for at, cell in enumerate(SHOWN_CELLS):
         axis = figure.add_subplot(grid[1, 2 * at : 2 * at + 2], projection="polar")
@@ -113,7 +119,11 @@ def drawing():
 def run(paper):
     """The drawing, and errors over seeds. Needs no renderer."""
     rows = [
-        [kind, *(percent(*st.mean_se(values[:, n])) for n in (0, 1)), Estimate(*map(float, st.mean_se(values[:, 2])))]
+        [
+            kind,
+            *(percent(*st.mean_se(values[:, n])) for n in (0, 1)),
+            Estimate(*map(float, st.mean_se(values[:, 2]))),
+        ]
         for kind, values in measure().items()
     ]
     table = Table(
@@ -121,10 +131,10 @@ def run(paper):
         ("samples", "MAPE", "bias of the image's mean", "KL of the truth from the fitted lobes"), rows,
     )  # fmt: skip
     text = (
-        "A world of two dimensions, of our own design: pixels on a floor, bright patches on the other walls, an opaque "
-        f"screen. One path a pixel; resampled by {ROUNDS} rounds of spatial reuse with the balance heuristic. Orange: paths "
-        "that end on a patch. Per cell four von Mises lobes are fitted by EM, to path-traced samples weighted by their light, "
-        "to resampled ones each alike."
+        "A world of two dimensions, of our own design: pixels on a floor, bright patches on the other "
+        f"walls, an opaque screen. One path a pixel; resampled by {ROUNDS} rounds of spatial reuse with the "
+        "balance heuristic. Orange: paths that end on a patch. Per cell four von Mises lobes are fitted by "
+        "EM, to path-traced samples weighted by their light, to resampled ones each alike."
     )
     pictures = [Picture("figure_2", "Figure 2: flatland.", drawing())]
     return Section("Figure 2: flatland", text, pictures, [table])

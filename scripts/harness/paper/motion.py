@@ -1,4 +1,5 @@
-"""Figure 7, and sequences with a moving camera or door: errors of single frames, each against its own reference."""
+"""Figure 7, and sequences with a moving camera or door: errors of single frames, each against its own
+reference."""
 
 import numpy as np
 
@@ -56,7 +57,9 @@ def studies_7(paper):
 def studies_motion(paper):
     """{what moves: study} of the other sequences."""
     return {
-        "swinging door" if not paper.chosen else "animation": moving(paper, paper.scenes("door_ajar_animated")),
+        "swinging door" if not paper.chosen else "animation": moving(
+            paper, paper.scenes("door_ajar_animated")
+        ),
         "camera on a circle": circling(paper, paper.scenes(paper.size.scenes[0])),
     }
 
@@ -67,7 +70,8 @@ def by_frame(runs):
 
 
 def table(name, title, sequences):
-    """Frames by rows: [(what moves, SceneRuns)]; words are against the first method, corrected over the table."""
+    """Frames by rows: [(what moves, SceneRuns)]; words are against the first method, corrected over the
+    table."""
     labels = [method.label for method in SHOWN]
     rows, groups = [], []
     for moves, runs in sequences:
@@ -88,12 +92,14 @@ def table(name, title, sequences):
     header = ["sequence", "frame"]
     for label in labels:
         header += [label] + ([f"change, {label}", f"tested, {label}"] if label != METHODS[0].label else [])
-    return Table(name, title, tuple(header), [[next(words) if cell is None else cell for cell in row] for row in rows])
+    return Table(
+        name, title, tuple(header), [[next(words) if cell is None else cell for cell in row] for row in rows]
+    )
 
 
 def frames_to_recover(values):
-    """By seed: frames from the jump, the second that is measured, until the error first falls to RECOVERED times
-    that of the last frame. values: (seeds, frames)."""
+    """By seed: frames from the jump, the second that is measured, until the error first falls to RECOVERED
+    times that of the last frame. values: (seeds, frames)."""
     return (values[:, 1:] <= RECOVERED * values[:, -1:]).argmax(1) + 1
 
 
@@ -105,7 +111,13 @@ def recovery_table(name, runs):
         + [percent(*st.mean_se(values[label][:, at])) for at in (0, 1, -1)]
         for label in (method.label for method in SHOWN if method.label in values)
     ]
-    header = ("method", f"frames to {RECOVERED:g} times the last error", "MAPE before", "MAPE at the jump", "MAPE at the end")
+    header = (
+        "method",
+        f"frames to {RECOVERED:g} times the last error",
+        "MAPE before",
+        "MAPE at the jump",
+        "MAPE at the end",
+    )
     return Table(name, "Recovery after the light has jumped", header, rows)
 
 
@@ -129,13 +141,19 @@ def curves(sequences):
 
 def section(paper, name, title, text, studies):
     """The section of a set of sequences."""
-    results = {moves: paper.compare(study, f"{name}/{moves.replace(' ', '_')}") for moves, study in studies.items()}
+    results = {
+        moves: paper.compare(study, f"{name}/{moves.replace(' ', '_')}") for moves, study in studies.items()
+    }
     sequences = [(moves, runs) for moves, found in results.items() for runs in found.runs]
     if not sequences:
         return Section(title, "Nothing was finished: see what failed.")
     drawn = [
         Picture(f"{name}_errors", f"{title}: error over frames.", curves(sequences)),
-        Picture(name, f"{title}: last frame.", pictures.rows([row_of(runs, SHOWN, last_frame) for _, runs in sequences])),
+        Picture(
+            name,
+            f"{title}: last frame.",
+            pictures.rows([row_of(runs, SHOWN, last_frame) for _, runs in sequences]),
+        ),
     ]
     listed = [table(name, f"{title}: MAPE of single frames", sequences)]
     listed += [
@@ -153,9 +171,10 @@ def last_frame(runs):
 def figure_7(paper):
     """The moving light."""
     text = (
-        "A glowing box wanders about the back room, in one loop a run; each measured frame is compared with a reference of "
-        "its own time. In door_ajar_light_cut the box jumps in the middle of the run. ± one standard error over seeds, ReSTIR "
-        "PT is biased while things move (benchmarks/results/restir_pt.md)."
+        "A glowing box wanders about the back room, in one loop a run; each measured frame is compared with "
+        "a reference of its own time. In door_ajar_light_cut the box jumps in the middle of the run. ± one "
+        "standard error over seeds, ReSTIR PT is biased while things move "
+        "(benchmarks/results/restir_pt.md)."
     )
     return section(paper, "figure_7", "Figure 7: moving light", text, studies_7(paper))
 

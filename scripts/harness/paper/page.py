@@ -1,4 +1,5 @@
-"""The evaluation's report: sections of figures, tables and whole comparisons, as one HTML file that needs no network."""
+"""The evaluation's report: sections of figures, tables and whole comparisons, as one HTML file that needs no
+network."""
 
 import base64
 import csv

@@ -62,7 +62,8 @@ class Study:
 
 @dataclass(frozen=True)
 class Results:
-    """A finished study. `runs`: a SceneRuns each scene; `findings`: a SceneFindings each, in the same order."""
+    """A finished study. `runs`: a SceneRuns each scene; `findings`: a SceneFindings each, in the same
+    order."""
 
     runs: list
     findings: list
@@ -139,8 +140,8 @@ class Paper:
     def call(self, function, scene, graph, **settings):
         """A Call of `function` on a scene, to be given to `answers`.
 
-        Besides `settings` the function is given the graph's `description`, the picture's `size` and the scene's
-        cap of `bounces`.
+        Besides `settings` the function is given the graph's `description`, the picture's `size` and the
+        scene's cap of `bounces`.
         """
         file = self.file(scene)
         settings |= {
@@ -160,7 +161,9 @@ class Paper:
         for number, (call, failure, _) in enumerate(self.pool.run(missing, kind="call"), 1):
             if failure:
                 self.failures.append(f"{call.label}: {failure}")
-            self.display.message(f"{call.label}: {number} of {len(missing)}{' failed' if failure else ''}")
+                self.display.message(f"failed: {self.failures[-1]}")
+            else:
+                self.display.message(f"{call.label}: {number} of {len(missing)}")
         return [self.cache.load(key) for key in keys]
 
 

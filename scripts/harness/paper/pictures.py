@@ -99,7 +99,12 @@ def rows(scenes):
                 _show(crop, pixels[y : y + side, x : x + side])
                 _frame(crop, colour)
             part.text(
-                0.03 + 0.965 * (at + 0.5) / columns, 0.02, picture.line, ha="center", va="bottom", fontsize=9.5
+                0.03 + 0.965 * (at + 0.5) / columns,
+                0.02,
+                picture.line,
+                ha="center",
+                va="bottom",
+                fontsize=9.5,
             )
     return figure
 

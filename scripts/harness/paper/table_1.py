@@ -1,4 +1,5 @@
-"""Table 1: samples a cell of the guiding grid gets in a frame, from what ReSTIR selects and from raw candidates."""
+"""Table 1: samples a cell of the guiding grid gets in a frame, from what ReSTIR selects and from raw
+candidates."""
 
 import numpy as np
 
@@ -9,7 +10,10 @@ from harness.paper.page import Estimate, Section, Table
 from harness.paper.paper import OURS, name_of
 
 AVERAGES = ("own cells", "cells of either", "sample-weighted")
-PAPER = "The paper has 3055 / 164 in Veach Ajar, 3326 / 1372 in Veach Bidir Room, 2282 / 95 in Living Room, at 1920x1080."
+PAPER = (
+    "The paper has 3055 / 164 in Veach Ajar, 3326 / 1372 in Veach Bidir Room, 2282 / 95 in Living Room, at "
+    "1920x1080."
+)
 
 
 def cell_calls(paper, scene):
@@ -48,9 +52,10 @@ def run(paper):
     for average in AVERAGES:
         header += [f"ReSTIR, {average}", f"raw, {average}", f"ratio, {average}"]
     text = (
-        "Bounces of paths that carry light, a frame and a cell; candidates are unguided, so that both see the same "
-        "frames. The paper does not say what it averages over: given are the means over the cells that a method touched, "
-        f"over those that either did, and weighted by the samples (what a sample sees). {PAPER}"
+        "Bounces of paths that carry light, a frame and a cell; candidates are unguided, so that both see "
+        "the same frames. The paper does not say what it averages over: given are the means over the cells "
+        "that a method touched, over those that either did, and weighted by the samples (what a sample "
+        f"sees). {PAPER}"
     )
     table = Table("table_1", "Table 1: samples a cell and frame", tuple(header), rows)
     return Section("Table 1: samples a cell", text, tables=[table])

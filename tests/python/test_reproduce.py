@@ -1,0 +1,260 @@
+"""scripts/reproduce.py: each experiment small from end to end, its tables of known runs, and mistakes.
+
+The small evaluation is 16x9, 2 frames, 2 seeds of the Cornell box: that its files are there and belong
+together is tested, not its numbers. Those are tested on made-up runs, whose errors differ by method.
+"""
+
+import csv
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from renderer_scenes import ROOT, restirpg  # noqa: F401  (finds the binding module)
+
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from harness.paper import ablation, cost, errors, experiments, motion, page, pictures, table_1  # noqa: E402
+from harness.paper.comparisons import CANDIDATES  # noqa: E402
+from harness.paper.paper import METHODS, OURS, SHOWN, UNGUIDED, Results  # noqa: E402
+
+SMALL = [
+    "--quick",
+    "--size",
+    "16x9",
+    "--frames",
+    "2",
+    "--seeds",
+    "2",
+    "--reference-frames",
+    "16",
+    "--jobs",
+    "2",
+]
+
+
+def reproduce(folder, *arguments):
+    """Run it to its end; a CompletedProcess with text output."""
+    command = [sys.executable, ROOT / "scripts" / "reproduce.py", *arguments, "--out", folder / "out"]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+
+
+def read(file):
+    """A CSV file's rows."""
+    with open(file) as stream:
+        return list(csv.DictReader(stream))
+
+
+@pytest.fixture(scope="module")
+def everything(tmp_path_factory):
+    """`all` of a small evaluation: its folder."""
+    folder = tmp_path_factory.mktemp("reproduce")
+    run = reproduce(folder, "all", "--scenes", "cornell_box", *SMALL)
+    assert run.returncode == 0, run.stderr
+    return folder / "out"
+
+
+def finished(folder):
+    """The cache's files with the times they were written."""
+    return {path.name: path.stat().st_mtime_ns for path in (folder / "cache").glob("*.npz")}
+
+
+def test_every_experiment_leaves_its_figure_and_its_numbers(everything):
+    text = (everything / "report.html").read_text()
+    titles = [f"Figure {number}" for number in (1, 2, 4, 5, 6, 7, 8)]
+    for title in [*titles, "Table 1", "Cost", "Motion", "Ablations"]:
+        assert f"<h2>{title}" in text
+    names = [f"figure_{number}" for number in (1, 2, 4, 5, 6, 7, 8)]
+    for name in [*names, "figure_7_errors", "cost", "motion", "motion_errors", "ablation"]:
+        assert (everything / f"{name}.png").stat().st_size > 10_000
+        assert f'id="{name}"' in text
+    for method in METHODS:
+        assert (everything / "figure_5" / f"cornell_box.{method.label.replace(' ', '_')}.exr").is_file()
+    assert "http:" not in text.replace("http://www.w3.org", "") and "https:" not in text
+
+
+def test_a_table_has_the_numbers_of_the_runs_beside_it(everything):
+    """figure_5.csv against runs.csv, which the harness writes by seed and frame."""
+    runs = read(everything / "figure_5" / "runs.csv")
+    for row in read(everything / "figure_5.csv"):
+        last = [float(run["mape"]) for run in runs if run["method"] == row["method"] and run["frame"] == "2"]
+        assert float(row["MAPE, mean of all frames"]) == pytest.approx(np.mean(last), rel=1e-6)
+        assert float(row["MAPE, mean of all frames (se)"]) == pytest.approx(
+            np.std(last, ddof=1) / 2**0.5, rel=1e-6
+        )
+    assert {row["method"] for row in read(everything / "figure_5.csv")} == {
+        method.label for method in METHODS
+    }
+
+
+def test_figures_share_runs_and_a_second_start_renders_nothing(everything):
+    before = finished(everything)
+    run = reproduce(everything.parent, "figure", "1", "5", "cost", "--scenes", "cornell_box", *SMALL)
+    assert run.returncode == 0, run.stderr
+    assert finished(everything) == before
+    assert "Figure 6" not in (everything / "report.html").read_text()
+
+
+def test_there_are_as_many_runs_as_the_list_says(everything):
+    """The cache holds besides the jobs a combined reference for each view, and a probe a method and scene."""
+    paper = SimpleNamespace(
+        size=SimpleNamespace(
+            size=(16, 9), frames=2, seeds=2, reference_batches=16, reference_frames=16, motion_reference_frames=512,
+            ablation_scenes=1, scenes=("cornell_box",),
+        ),
+        chosen=("cornell_box",),
+        scenes=lambda *own: ("cornell_box",),
+    )  # fmt: skip
+    jobs, _ = experiments.jobs_and_minutes(paper, experiments.EXPERIMENTS)
+    studies = {study for experiment in experiments.EXPERIMENTS for study in experiment.studies(paper)}
+    references = {(study.changes, study.views) for study in studies}
+    probes = {(method.graph, method.knobs, study.changes) for study in studies for method in study.methods}
+    others = sum(views for _, views in references) + len(probes) + len(references)
+    assert len(finished(everything)) == jobs + others
+
+
+def made_up(**frame_mape):
+    """A Results of one scene whose methods (by label) have these errors in every frame and two seeds."""
+    runs, found = {}, []
+    for label, mape in frame_mape.items():
+        runs[label] = [
+            {
+                "frame_mape": np.full(4, mape * (1 + 0.1 * seed)),
+                "mape": np.full(4, 10 * mape * (1 + 0.1 * seed)),
+                "meta": {"passes": {"paths": 100 * mape, "splat": 2 * mape, "fit": mape}},
+            }
+            for seed in range(2)
+        ]
+        found.append(
+            SimpleNamespace(
+                label=label,
+                gpu_ms=np.full((2, 4), 4e3 * mape),
+                frames=np.arange(1, 5),
+                equal_time={"mape": (100 * mape, mape)},
+            )  # fmt: skip
+        )
+    scene = SimpleNamespace(scene="made_up.glb", runs=runs, at=(1, 2, 3, 4))
+    return Results([scene], [SimpleNamespace(methods=found)])
+
+
+KNOWN = {method.label: 0.1 * number for number, method in enumerate(METHODS, 1)}
+
+
+def test_each_method_has_its_own_errors():
+    table = errors.table("t", "t", made_up(**KNOWN), SHOWN)
+    rows = [dict(zip(table.header, row)) for row in table.rows]
+    assert [row["method"] for row in rows] == [method.label for method in SHOWN]
+    for row in rows:
+        own = KNOWN[row["method"]]
+        assert row["MAPE, one frame"].mean == pytest.approx(1.05 * own)
+        assert row["MAPE, mean of all frames"].mean == pytest.approx(10.5 * own)
+        assert row["MAPE at equal time"].mean == pytest.approx(100 * own)
+        assert row["GPU ms/frame"].mean == pytest.approx(1e3 * own)
+        if row["method"] != UNGUIDED.label:
+            assert row["change, one frame"].mean == pytest.approx(own / KNOWN[UNGUIDED.label] - 1)
+
+
+def test_candidates_unguided_are_what_guided_ones_are_compared_with():
+    table = errors.table(
+        "t", "t", made_up(**{CANDIDATES[0].label: 0.4, CANDIDATES[1].label: 0.3}), CANDIDATES
+    )
+    change = {row[1]: row[3] for row in table.rows}
+    assert change[CANDIDATES[0].label] == "" and change[CANDIDATES[1].label].mean == pytest.approx(-0.25)
+
+
+def test_frames_of_a_sequence_stand_under_their_methods():
+    results = made_up(**KNOWN)
+    for label, seeds in results.runs[0].runs.items():
+        for run in seeds:
+            run["mape"] = KNOWN[label] * np.array([1.0, 2, 3, 4])
+    table = motion.table("t", "t", [("light", results.runs[0])])
+    for frame, row in enumerate(table.rows, 1):
+        cells = dict(zip(table.header, row))
+        assert cells["frame"] == f"{frame}"
+        for method in METHODS:
+            assert cells[method.label].mean == pytest.approx(frame * KNOWN[method.label])
+
+
+def test_recovery_counts_frames_from_the_jump():
+    """Measured are the frame before, the jump, and three more; 1.1 times the last error is 0.11."""
+    values = np.array(
+        [[0.05, 0.5, 0.3, 0.105, 0.1], [0.05, 0.5, 0.12, 0.12, 0.1], [0.05, 0.1, 0.4, 0.2, 0.1]]
+    )
+    assert list(motion.frames_to_recover(values)) == [3, 4, 1]
+
+
+def test_overhead_is_splat_fit_and_what_tracing_takes_more():
+    parts = cost.overhead(cost.pass_times(made_up(**KNOWN).runs[0]))
+    own, without = KNOWN[OURS.label], KNOWN[UNGUIDED.label]
+    assert {name: values.mean() for name, values in parts.items()} == pytest.approx(
+        {"splat": 2 * own, "fit": own, "guided sampling": 100 * (own - without)}
+    )
+    rows = cost.shares_table(made_up(**KNOWN)).rows
+    assert sum(row[3].mean for row in rows[:3]) == pytest.approx(1)
+
+
+def test_table_1_keeps_restir_and_raw_apart():
+    averages = np.array([[[6.0, 5, 4], [3, 2, 1]]])
+    row = table_1.row_of("scene", [{"averages": averages}, {"averages": averages}])
+    assert [cell.mean for cell in row[1:]] == [6, 3, 2, 5, 2, 2.5, 4, 1, 4]
+
+
+def test_variants_of_an_ablation_have_their_own_rows():
+    labels = [ablation.DEFAULT, "without guiding"]
+    labels += [
+        f"{title}: {name}" for title, (_, variants) in ablation.FAMILIES.items() for name, _, _ in variants
+    ]
+    values = {label: np.array([1.0, 1.1]) * number for number, label in enumerate(labels, 1)}
+    rows, groups = ablation.rows_of_scene("s", {"shown": values})
+    assert len(rows) == len(labels) and len(groups) == len(labels) - 1
+    for number, (row, label) in enumerate(zip(rows, labels), 1):
+        assert row[3].mean == pytest.approx(1.05 * number)
+        assert label in (ablation.DEFAULT, "without guiding") or label == f"{row[1]}: {row[2]}"
+        assert number == 1 or row[4].mean == pytest.approx(number - 1)
+
+
+def test_crops_are_where_methods_differ_most():
+    maps = np.full((3, 36, 64), 0.5)
+    maps[1, 20:26, 40:46] = 3.0
+    maps[2, 4:8, 10:14] = 2.0
+    maps[:, 28:36, 0:16] = 9.0  # large, but the same for all
+    corners, side = pictures.crops_of(maps)
+    for (x, y), (wanted_x, wanted_y) in zip(corners, ((43, 23), (12, 6))):
+        assert x <= wanted_x < x + side and y <= wanted_y < y + side
+
+
+def test_a_csv_has_means_and_errors_unscaled(tmp_path):
+    rows = [["a", page.percent(0.25, 0.01)], ["b", "failed"]]
+    page.Table("numbers", "", ("what", "error"), rows).write_csv(tmp_path)
+    assert (tmp_path / "numbers.csv").read_text() == "what,error,error (se)\na,0.25,0.01\nb,failed,\n"
+    assert str(page.percent(0.25, 0.01)) == "25.0 ± 1.0%"
+
+
+@pytest.mark.parametrize(
+    "arguments, words",
+    [
+        (["figure", "3"], "there is no 'figure 3'; there are: figure 1, figure 2"),
+        (["tables"], "there is no 'tables'"),
+        ([], "say what to reproduce, as in"),
+        (["figure"], "say what to reproduce, as in"),
+        (["figure", "5", "--scenes", "absent"], "no scene 'absent'"),
+        (["figure", "5", "--scenes", "README.md"], "README.md"),
+        (["figure", "5", "--size", "12"], "'12' is not WIDTHxHEIGHT"),
+        (["figure", "5", "--quick", "--full"], "not allowed with"),
+        (["figure", "5", "--cache", "README.md"], "choose one with --cache"),
+    ],
+)
+def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, arguments, words):
+    run = reproduce(tmp_path, *arguments)
+    assert run.returncode == 2
+    lines = [line for line in run.stderr.splitlines() if not line.startswith(("usage:", " ", "figure "))]
+    assert len(lines) == 1 and words in lines[0], run.stderr
+
+
+def test_the_list_names_everything(tmp_path):
+    run = reproduce(tmp_path, "--list", "--quick")
+    assert run.returncode == 0 and not list(Path(tmp_path).rglob("*.npz"))
+    for name in [*experiments.BY_NAME, "all"]:
+        assert name in run.stdout
