@@ -5,8 +5,10 @@ together is tested, not its numbers. Those are tested on made-up runs, whose err
 """
 
 import csv
+import shutil
 import subprocess
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,26 +16,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from renderer_scenes import ROOT, restirpg  # noqa: F401  (finds the binding module)
+from webdriver import Browser
 
 sys.path.insert(0, str(ROOT / "scripts"))
 
+import reproduce as program  # noqa: E402
 from harness.paper import ablation, cost, errors, experiments, motion, page, pictures, table_1  # noqa: E402
 from harness.paper.comparisons import CANDIDATES  # noqa: E402
 from harness.paper.paper import METHODS, OURS, QUICK, SHOWN, UNGUIDED, Results  # noqa: E402
 
-SMALL = [
-    "--quick",
-    "--size",
-    "16x9",
-    "--frames",
-    "2",
-    "--seeds",
-    "2",
-    "--reference-frames",
-    "16",
-    "--jobs",
-    "2",
-]
+SMALL = "--quick --size 16x9 --frames 2 --seeds 2 --reference-frames 16".split()
 
 
 def reproduce(folder, *arguments):
@@ -48,13 +40,27 @@ def read(file):
         return list(csv.DictReader(stream))
 
 
+#: One variant of a knob, and of other graphs: to make a renderer for each is what takes the time.
+FEW = {
+    "alpha: share of BSDF sampling": ("0.5", [("0.2", "", {"paths__alpha": 0.2})]),
+    "training data": ("ReSTIR", [("temporal only", "_by_temporal", {})]),
+}
+
+
 @pytest.fixture(scope="module")
-def everything(tmp_path_factory):
+def few_variants():
+    """An ablation that is soon done."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ablation, "FAMILIES", FEW)
+        yield
+
+
+@pytest.fixture(scope="module")
+def everything(tmp_path_factory, few_variants):
     """`all` of a small evaluation: its folder."""
-    folder = tmp_path_factory.mktemp("reproduce")
-    run = reproduce(folder, "all", "--scenes", "cornell_box", *SMALL)
-    assert run.returncode == 0, run.stderr
-    return folder / "out"
+    folder = tmp_path_factory.mktemp("reproduce") / "out"
+    assert program.main(["all", "--scenes", "cornell_box", *SMALL, "--out", str(folder)]) == 0
+    return folder
 
 
 def finished(folder):
@@ -76,6 +82,23 @@ def test_every_experiment_leaves_its_figure_and_its_numbers(everything):
     assert "http:" not in text.replace("http://www.w3.org", "") and "https:" not in text
 
 
+def test_the_report_opens_and_its_folded_viewers_draw(everything):
+    if not shutil.which("chromedriver"):
+        pytest.skip("chromedriver is not installed: no browser has opened the report")
+    with Browser() as browser:
+        browser.open(everything / "report.html")
+        loaded = "return Array.from(document.querySelectorAll('figure img')).every(i => i.naturalWidth > 0)"
+        assert browser.run(loaded) and browser.run("return viewers.length") > 8
+        browser.run("document.querySelectorAll('details').forEach(details => { details.open = true; })")
+        for _ in range(50):
+            if browser.run("return viewers.every(viewer => viewer.panes[0].canvas.width > 100)"):
+                break
+            time.sleep(0.1)
+        else:
+            raise AssertionError("a viewer stays empty")
+        assert browser.log() == []
+
+
 def test_a_table_has_the_numbers_of_the_runs_beside_it(everything):
     """figure_5.csv against runs.csv, which the harness writes by seed and frame."""
     runs = read(everything / "figure_5" / "runs.csv")
@@ -92,8 +115,8 @@ def test_a_table_has_the_numbers_of_the_runs_beside_it(everything):
 
 def test_figures_share_runs_and_a_second_start_renders_nothing(everything):
     before = finished(everything)
-    run = reproduce(everything.parent, "figure", "1", "5", "cost", "--scenes", "cornell_box", *SMALL)
-    assert run.returncode == 0, run.stderr
+    wanted = ["figure", "1", "5", "cost"]
+    assert program.main([*wanted, "--scenes", "cornell_box", *SMALL, "--out", str(everything)]) == 0
     assert finished(everything) == before
     assert "Figure 6" not in (everything / "report.html").read_text()
 

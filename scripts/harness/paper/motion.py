@@ -41,8 +41,7 @@ def circling(paper, scenes):
 
 
 def _study(paper, scenes, motion, at, views):
-    reference_frames = max(paper.size.motion_reference_frames, paper.size.reference_batches)
-    changes = (("motion", motion), ("at", at), ("reference_frames", reference_frames))
+    changes = (("motion", motion), ("at", at), ("reference_frames", paper.size.motion_reference_frames))
     return Study(METHODS, scenes, changes, views)
 
 

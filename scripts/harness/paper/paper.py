@@ -39,15 +39,19 @@ class Size:
     reference_frames: int  # of the path tracer, over all batches
     scenes: tuple
     ablation_scenes: int  # the first of the scenes
-    motion_reference_frames: int  # for each frame that is compared
     points: int = 5  # of figure 4
     reference_batches: int = 16
 
+    @property
+    def motion_reference_frames(self):
+        """Of the path tracer, for each frame of a sequence that is compared."""
+        return max(self.reference_frames // 4, self.reference_batches)
+
 
 SCENES = ("door_ajar", "bidirectional_room", "living_room", "temple", "glass_pavilion")
-QUICK = Size("quick", (96, 54), 4, 32, 2048, SCENES[:3], 1, 512, points=3)
-DEFAULT = Size("default", (160, 90), 8, 32, 4096, SCENES, 2, 1024)
-FULL = Size("full", (480, 270), 4, 64, 4096, SCENES, 1, 1024)
+QUICK = Size("quick", (96, 54), 4, 32, 2048, SCENES[:3], 1, points=3)
+DEFAULT = Size("default", (160, 90), 8, 32, 4096, SCENES, 2)
+FULL = Size("full", (480, 270), 4, 64, 4096, SCENES, 1)
 
 
 @dataclass(frozen=True)
