@@ -47,15 +47,20 @@ def main():
     arguments = parse()
     scene = restirpg.load_scene(arguments.scene)
     try:
-        points, samples, mixtures = guide_maps.learn(
-            scene, restirpg.load_graph(arguments.graph).description, arguments.pixel, arguments.size,
-            arguments.frames, cell_size=arguments.cell_size, raw=arguments.raw,
-        )  # fmt: skip
+        learner = guide_maps.Learner(
+            scene,
+            restirpg.load_graph(arguments.graph).description,
+            arguments.pixel,
+            arguments.size,
+            cell_size=arguments.cell_size,
+            raw=arguments.raw,
+        )
+        points, samples, mixtures = learner.run(arguments.frames)
     except UserError as error:
         sys.exit(f"see_guide.py: {error}")
     lines, maps, random = [], [], np.random.default_rng(1)
-    for pixel, point, mine, mixture in zip(arguments.pixel, points, samples, mixtures):
-        product = guide_maps.product_at(point, scene, scene.bounce_cap or 8)
+    products = guide_maps.products_at(points, scene, scene.bounce_cap or 8)
+    for pixel, point, product, mine, mixture in zip(arguments.pixel, points, products, samples, mixtures):
         for frames, count, effective, histogram in guide_maps.histograms(mine, point):
             row = (frames, count, effective, *guide_maps.score(histogram, effective, product, random))
             lines.append("| {} {} | {} | {} | {:.0f} | {:.3f} | {:.3f} | {:.1f} |".format(*pixel, *row))

@@ -55,8 +55,8 @@ def main():
     description = json.dumps(render.describe_graph(GRAPH))
     with tempfile.TemporaryDirectory() as folder:
         for name in arguments.scene:
-            found = cell_counts.measure(load(name, folder), description, arguments.size, seed=1)
-            (restir, raw), (cells, raw_cells) = found["averages"].mean(0), found["cells"][-1]
+            found = cell_counts.measure(load(name, folder), description, arguments.size, seeds=[1])
+            (restir, raw), (cells, raw_cells) = found["averages"].mean((0, 1)), found["cells"][0, -1]
             pairs = " | ".join(f"{a:.2f} / {b:.2f} ({a / b:.1f})" for a, b in zip(restir, raw))
             lines.append(f"| {Path(name).stem} | {cells} / {raw_cells} | {pairs} |")
             print(lines[-1], flush=True)

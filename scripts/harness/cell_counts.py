@@ -37,30 +37,33 @@ def averages(mine, other):
     return n.mean(), n.sum() / len(mine.keys() | other.keys()), (n**2).sum() / n.sum()
 
 
-def measure(scene, description, size, seed, bounces=None, first=8, last=12):
-    """Frames `first` to `last` of a run of ReSTIR PG, a graph's description as JSON: `averages` (frames, 2,
-    3) of ReSTIR and raw, `cells` (frames, 2) that they touched, `guiding` (frames,): cells fit to guide.
+def measure(scene, description, size, seeds, bounces=None, first=8, last=12):
+    """Frames `first` to `last` of runs of ReSTIR PG, a graph's description as JSON: `averages` (seeds,
+    frames, 2, 3) of ReSTIR and raw, `cells` (seeds, frames, 2) that they touched, `guiding` (seeds, frames):
+    cells fit to guide.
     """
     import restirpg
 
-    renderer = restirpg.Renderer(
-        restirpg.load_scene(scene), json.loads(description), size=tuple(size), seed=seed
-    )
+    renderer = restirpg.Renderer(restirpg.load_scene(scene), json.loads(description), size=tuple(size))
     if bounces:
         renderer.set_everywhere("bounces", bounces)
     renderer.set("paths.alpha", 1.0)
-    renderer.render(first - 1)
     found, cells, guiding = [], [], []
-    for _ in range(first, last + 1):
-        renderer.render(1)
-        restir, raw = (counts_of(renderer, port) for port in PORTS.values())
-        found.append([averages(restir, raw), averages(raw, restir)])
-        cells.append([len(restir), len(raw)])
-        header = renderer.read_port("fit.guide")[: HEADER.itemsize].view(HEADER)[0]
-        guiding.append(int(header["guiding"]))
+    for seed in seeds:
+        renderer.seed = seed
+        renderer.cut()
+        renderer.render(first - 1)
+        for _ in range(first, last + 1):
+            renderer.render(1)
+            restir, raw = (counts_of(renderer, port) for port in PORTS.values())
+            found.append([averages(restir, raw), averages(raw, restir)])
+            cells.append([len(restir), len(raw)])
+            header = renderer.read_port("fit.guide")[: HEADER.itemsize].view(HEADER)[0]
+            guiding.append(int(header["guiding"]))
+    frames = last - first + 1
     return {
-        "averages": np.array(found),
-        "cells": np.array(cells),
-        "guiding": np.array(guiding),
+        "averages": np.array(found).reshape(len(seeds), frames, 2, 3),
+        "cells": np.array(cells).reshape(len(seeds), frames, 2),
+        "guiding": np.array(guiding).reshape(len(seeds), frames),
         "meta": {"bytes": BYTES},
     }

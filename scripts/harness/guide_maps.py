@@ -58,49 +58,58 @@ class Point:
         return sums / max(sums.sum(), 1e-30)
 
 
-def learn(
-    scene, description, pixels, size, frames, seed=1, bounces=None, cell_size=None, raw=False, strict=True
-):
-    """Render a graph's description. Returns the points that the pixels show and, for each, a list of
-    (directions (n, 3), weights (n,)) a frame, and its last fitted mixture or None.
+class Learner:
+    """Runs of a graph, by its description, that show what the guide learns from at the points of some pixels.
 
     raw: instead of the vertices of the paths that were selected, those of raw unguided path trees, weighted
     by light, BSDF and cosine. strict: see find_points.
     """
-    port = ("paths", "samples") if raw else ("reuse", "vertices")
-    shown = [
-        {"name": "training", "pass": port[0], "output": port[1]},
-        {"name": "normal", "pass": "gbuffer", "output": "geometric_normal"},
-        {"name": "depth", "pass": "gbuffer", "output": "depth"},
-        {"name": "material", "pass": "gbuffer", "output": "material"},
-    ]
-    graph = {**description, "outputs": description["outputs"] + shown}
-    renderer = restirpg.Renderer(scene, graph, size=tuple(size), seed=seed)
-    if bounces:
-        renderer.set_everywhere("bounces", bounces)
-    if cell_size:
-        renderer.set("splat.cell_size", cell_size)
-    if raw:
-        renderer.set("paths.alpha", 1.0)
-    points, collected = [], []
-    for _ in range(frames):
-        renderer.render(1)
-        header = read_table(renderer.read_port("splat.statistics"), SUMS)[0]
-        grid = grid_of(header)
-        points = points or find_points(renderer, grid, pixels, size, strict)
-        data = renderer.read_port(".".join(port)).view(SAMPLE if raw else VERTEX)
-        data = data[is_valid(data)]
-        keys = grid.keys(
-            grid.positions(data["position"]), vertex_face(data), data["surface"] & 0xFFFF
-        )[0]
-        weights = np.ones(len(data))
+
+    def __init__(
+        self, scene, description, pixels, size, bounces=None, cell_size=None, raw=False, strict=True
+    ):
+        self._pixels, self._size, self._raw, self._strict = pixels, size, raw, strict
+        self._port = ("paths", "samples") if raw else ("reuse", "vertices")
+        shown = [
+            {"name": "training", "pass": self._port[0], "output": self._port[1]},
+            {"name": "normal", "pass": "gbuffer", "output": "geometric_normal"},
+            {"name": "depth", "pass": "gbuffer", "output": "depth"},
+            {"name": "material", "pass": "gbuffer", "output": "material"},
+        ]
+        graph = {**description, "outputs": description["outputs"] + shown}
+        self._renderer = restirpg.Renderer(scene, graph, size=tuple(size))
+        if bounces:
+            self._renderer.set_everywhere("bounces", bounces)
+        if cell_size:
+            self._renderer.set("splat.cell_size", cell_size)
         if raw:
-            weights = data["weight"] * vertex_scatter(data)
-        mine = [(keys == np.uint64(point.key)) & (weights > 0) for point in points]
-        collected.append([(unpack_direction(data["direction"][m]), weights[m]) for m in mine])
-    guide = read_table(renderer.read_port("fit.guide"), CELL, MEMORY)[1]
-    mixtures = [mixture_of(guide[point.key][0]) if point.key in guide else None for point in points]
-    return points, [list(samples) for samples in zip(*collected)], mixtures
+            self._renderer.set("paths.alpha", 1.0)
+
+    def run(self, frames, seed=1):
+        """The points, and for each a list of (directions (n, 3), weights (n,)) a frame and its last fitted
+        mixture, or None."""
+        renderer, points, collected = self._renderer, [], []
+        renderer.seed = seed
+        renderer.cut()
+        for _ in range(frames):
+            renderer.render(1)
+            grid = grid_of(read_table(renderer.read_port("splat.statistics"), SUMS)[0])
+            points = points or find_points(renderer, grid, self._pixels, self._size, self._strict)
+            directions, weights, keys = self._samples(grid)
+            mine = [(keys == np.uint64(point.key)) & (weights > 0) for point in points]
+            collected.append([(unpack_direction(directions[m]), weights[m]) for m in mine])
+        guide = read_table(renderer.read_port("fit.guide"), CELL, MEMORY)[1]
+        mixtures = [mixture_of(guide[point.key][0]) if point.key in guide else None for point in points]
+        return points, [list(samples) for samples in zip(*collected)], mixtures
+
+    def _samples(self, grid):
+        """Packed directions, weights and keys of the last frame's samples."""
+        data = self._renderer.read_port(".".join(self._port)).view(SAMPLE if self._raw else VERTEX)
+        data = data[is_valid(data)]
+        positions = grid.positions(data["position"])
+        keys = grid.keys(positions, vertex_face(data), data["surface"] & 0xFFFF)[0]
+        weights = data["weight"] * vertex_scatter(data) if self._raw else np.ones(len(data))
+        return data["direction"], weights, keys
 
 
 def find_points(renderer, grid, pixels, size, strict=True):
@@ -143,8 +152,8 @@ def _next_surface(depth, x, y):
     return at
 
 
-def product_at(point, scene, bounces):
-    """L_i cos in each bin, normalised, (ROWS, COLUMNS)."""
+def products_at(points, scene, bounces):
+    """L_i cos of each point in each bin, normalised, (ROWS, COLUMNS)."""
     g = restirpg.Graph("What a point sees")
     gbuffer = g.add("gbuffer", "GBuffer", jitter=True)
     paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, direct=True)
@@ -154,6 +163,10 @@ def product_at(point, scene, bounces):
     g.output("image", image.mean)
     renderer = restirpg.Renderer(scene, g, size=(FACE, FACE), seed=2)
     renderer.set_everywhere("bounces", bounces - 1)
+    return [_product(point, renderer) for point in points]
+
+
+def _product(point, renderer):
     x, y, normal = point.frame
     place = (np.arange(FACE) + 0.5) / FACE * 2 - 1
     right, up = np.meshgrid(place, -place)
@@ -166,10 +179,8 @@ def product_at(point, scene, bounces):
         d = forward + right[..., None] * np.cross(forward, above) + up[..., None] * above
         length = np.linalg.norm(d, axis=-1)
         directions.append((d / length[..., None]).reshape(-1, 3))
-        solid_angle = length**-3.0
-        weights.append(
-            (renderer.output("image") @ LUMINANCE * solid_angle * np.maximum(d @ normal / length, 0)).ravel()
-        )
+        light = renderer.output("image") @ LUMINANCE * length**-3.0  # of a pixel: times its solid angle
+        weights.append((light * np.maximum(d @ normal / length, 0)).ravel())
     return point.histogram(np.concatenate(directions), np.concatenate(weights))
 
 

@@ -216,8 +216,8 @@ def test_overhead_is_splat_fit_and_what_tracing_takes_more():
 
 
 def test_table_1_keeps_restir_and_raw_apart():
-    averages = np.array([[[6.0, 5, 4], [3, 2, 1]]])
-    row = table_1.row_of("scene", [{"averages": averages}, {"averages": averages}])
+    averages = np.array([[[[6.0, 5, 4], [3, 2, 1]]]] * 2)
+    row = table_1.row_of("scene", averages)
     assert [cell.mean for cell in row[1:]] == [6, 3, 2, 5, 2, 2.5, 4, 1, 4]
 
 

@@ -7,7 +7,7 @@ from harness import statistics as st
 from harness.paper.comparisons import study_5
 from harness.paper.page import Estimate, Picture, Section, Table, percent
 from harness.paper.paper import OURS, SHOWN, UNGUIDED, name_of
-from harness.paper.table_1 import cell_calls
+from harness.paper.table_1 import cell_call
 
 from matplotlib.figure import Figure  # isort: skip
 
@@ -116,12 +116,11 @@ def guide_table(paper, results):
     """Sizes of vertices and valid cells beside the paper's."""
     scenes = [runs.scene for runs in results.runs]
     rows = []
-    for scene in scenes:
-        found = [answer for answer in paper.answers(cell_calls(paper, scene)) if answer]
-        if not found:
+    for scene, answer in zip(scenes, paper.answers([cell_call(paper, scene) for scene in scenes])):
+        if not answer:
             continue
-        cells = Estimate(*map(float, st.mean_se([answer["guiding"].mean() for answer in found])))
-        size = found[0]["meta"]["bytes"]
+        cells = Estimate(*map(float, st.mean_se(answer["guiding"].mean(1))))
+        size = answer["meta"]["bytes"]
         rows.append(
             [
                 name_of(scene),

@@ -24,14 +24,13 @@ class Experiment:
 
 
 def _directions(paper):
-    scenes = len(paper.scenes("door_ajar_diffuse"))
-    runs = scenes * len(figure_4.KINDS) * paper.size.seeds
-    return runs + scenes, runs * paper.size.frames
+    scenes, kinds = len(paper.scenes("door_ajar_diffuse")), len(figure_4.KINDS)
+    return scenes * (kinds + 1), scenes * kinds * paper.size.seeds * paper.size.frames
 
 
 def _cells(paper):
-    runs = len(paper.scenes()) * paper.size.seeds
-    return runs, 12 * runs
+    scenes = len(paper.scenes())
+    return scenes, 12 * scenes * paper.size.seeds
 
 
 EXPERIMENTS = (

@@ -19,42 +19,35 @@ PLACES = ((0.128, 0.339), (0.378, 0.283), (0.253, 0.672), (0.69, 0.228), (0.909,
 KINDS = {"selected by ReSTIR": False, "raw path trees": True}  # title -> raw
 
 
-def directions(scene, description, size, bounces, pixels, frames, seed, raw):
-    """Of each pixel's cell, over 1, 2, 4 ... frames (NaN where there was no sample): `frames` (k,),
-    `histograms` (pixels, k, rows, columns), `counts`, `effective` (pixels, k); and `lobes` (pixels, rows,
-    columns)."""
+def directions(scene, description, size, bounces, pixels, frames, seeds, raw):
+    """Of each seed and pixel's cell, over 1, 2, 4 ... frames (NaN where there was no sample): `frames` (k,),
+    `histograms` (seeds, pixels, k, rows, columns), `counts`, `effective` (seeds, pixels, k); and `lobes`
+    (seeds, pixels, rows, columns)."""
     import restirpg
 
     from harness import guide_maps
 
-    points, samples, mixtures = guide_maps.learn(
-        restirpg.load_scene(scene),
-        json.loads(description),
-        pixels,
-        size,
-        frames,
-        seed,
-        bounces,
-        raw=raw,
-        strict=False,
+    learner = guide_maps.Learner(
+        restirpg.load_scene(scene), json.loads(description), pixels, size, bounces, raw=raw, strict=False
     )
     doublings = [2**k for k in range(frames.bit_length())]
-    shape = (len(points), len(doublings))
+    shape, bins = (len(seeds), len(pixels), len(doublings)), (guide_maps.ROWS, guide_maps.COLUMNS)
     result = {
         "frames": np.array(doublings),
-        "histograms": np.full((*shape, guide_maps.ROWS, guide_maps.COLUMNS), np.nan),
+        "histograms": np.full((*shape, *bins), np.nan),
         "counts": np.zeros(shape),
         "effective": np.full(shape, np.nan),
-        "lobes": np.full((len(points), guide_maps.ROWS, guide_maps.COLUMNS), np.nan),
+        "lobes": np.full((*shape[:2], *bins), np.nan),
         "meta": {},
     }
-    for at, (point, mine, mixture) in enumerate(zip(points, samples, mixtures)):
-        for done, count, effective, histogram in guide_maps.histograms(mine, point):
-            k = done.bit_length() - 1
-            result["histograms"][at, k] = histogram
-            result["counts"][at, k], result["effective"][at, k] = count, effective
-        if mixture:
-            result["lobes"][at] = guide_maps.lobes_in(mixture, point)
+    for run, seed in enumerate(seeds):
+        for at, (point, mine, mixture) in enumerate(zip(*learner.run(frames, seed))):
+            for done, count, effective, histogram in guide_maps.histograms(mine, point):
+                k = run, at, done.bit_length() - 1
+                result["histograms"][k], result["counts"][k] = histogram, count
+                result["effective"][k] = effective
+            if mixture:
+                result["lobes"][run, at] = guide_maps.lobes_in(mixture, point)
     return result
 
 
@@ -65,49 +58,47 @@ def products(scene, description, size, bounces, pixels):
     from harness import guide_maps
 
     loaded = restirpg.load_scene(scene)
-    points = guide_maps.learn(loaded, json.loads(description), pixels, size, 1, strict=False)[0]
-    found = [guide_maps.product_at(point, loaded, bounces or 8) for point in points]
-    return {"products": np.array(found), "meta": {}}
+    points = guide_maps.Learner(loaded, json.loads(description), pixels, size, strict=False).run(1)[0]
+    return {"products": np.array(guide_maps.products_at(points, loaded, bounces or 8)), "meta": {}}
 
 
 def calls(paper, scene):
-    """(call of the products, {kind: calls of the directions, one a seed})."""
+    """[call of the products, calls of the directions of each of KINDS]."""
     width, height = paper.size.size
     pixels = [[int(x * width), int(y * height)] for x, y in PLACES[: paper.size.points]]
-    learned = {
-        kind: [
-            paper.call(
-                directions, scene, OURS.graph, pixels=pixels, frames=paper.size.frames,
-                seed=seed_of("directions", number), raw=raw,
-            )
-            for number in range(paper.size.seeds)
-        ]
-        for kind, raw in KINDS.items()
-    }  # fmt: skip
-    return paper.call(products, scene, OURS.graph, pixels=pixels), learned
+    seeds = [seed_of("directions", number) for number in range(paper.size.seeds)]
+    learn = {"pixels": pixels, "frames": paper.size.frames, "seeds": seeds}
+    return [paper.call(products, scene, OURS.graph, pixels=pixels)] + [
+        paper.call(directions, scene, OURS.graph, raw=raw, **learn) for raw in KINDS.values()
+    ]
 
 
 def rows_of(scene, truth, answers):
-    """Rows of the table: {kind: results by seed}; powers of four of the frames, and the last."""
+    """Rows of the table, a point and count of frames each: powers of four, and the last.
+
+    truth: products (pixels, rows, columns); answers: what `directions` gave, in the order of KINDS.
+    """
     from harness import guide_maps
 
     rows, random = [], np.random.default_rng(1)
-    frames = answers[next(iter(answers))][0]["frames"]
-    shown = [k for k, count in enumerate(frames) if k % 2 == 0 or k == len(frames) - 1]
+    frames = answers[0]["frames"]
     for at, product in enumerate(truth):
-        for k in shown:
+        for k in [k for k in range(len(frames)) if k % 2 == 0 or k == len(frames) - 1]:
             row = [scene, f"{at + 1}", f"{frames[k]}"]
-            for results in answers.values():
-                lit = [result for result in results if np.isfinite(result["effective"][at, k])]
-                scores = [
-                    guide_maps.score(result["histograms"][at, k], result["effective"][at, k], product, random)
-                    for result in lit
-                ]
-                row.append(Estimate(*map(float, st.mean_se([result["counts"][at, k] for result in results]))))
-                if not scores:
+            for answer in answers:
+                row.append(Estimate(*map(float, st.mean_se(answer["counts"][:, at, k]))))
+                scores = np.array(
+                    [
+                        guide_maps.score(histogram, effective, product, random)
+                        for histogram, effective in zip(
+                            answer["histograms"][:, at, k], answer["effective"][:, at, k]
+                        )
+                        if np.isfinite(effective)
+                    ]
+                )
+                if not len(scores):
                     row += ["no sample", ""]
                     continue
-                scores = np.array(scores)
                 row += [Estimate(*map(float, st.mean_se(scores[:, n]))) for n in (0, 1)]
             rows.append(row)
     return rows
@@ -119,23 +110,19 @@ def run(paper):
 
     rows, maps = [], []
     for scene in paper.scenes("door_ajar_diffuse"):
-        truth_call, learned = calls(paper, scene)
-        (truth,) = paper.answers([truth_call])
-        answers = {kind: [a for a in paper.answers(many) if a] for kind, many in learned.items()}
-        if truth is None or not all(answers.values()):
+        truth, *answers = paper.answers(calls(paper, scene))
+        if truth is None or None in answers:
             continue
         rows += rows_of(name_of(scene), truth["products"], answers)
-        selected, raw = (results[0] for results in answers.values())
+        selected, raw = answers
         for at, product in enumerate(truth["products"]):
-            pictures = (
-                product,
-                selected["histograms"][at, -1],
-                raw["histograms"][at, -1],
-                selected["lobes"][at],
+            learned = (
+                selected["histograms"][0, at, -1],
+                raw["histograms"][0, at, -1],
+                selected["lobes"][0, at],
             )
-            maps.append(
-                (f"{name_of(scene)} {at + 1}", [p if np.isfinite(p).all() else None for p in pictures])
-            )
+            pictures = [picture if np.isfinite(picture).all() else None for picture in (product, *learned)]
+            maps.append((f"{name_of(scene)} {at + 1}", pictures))
     header = ["scene", "point", "frames"]
     for kind in KINDS:
         header += [f"samples, {kind}", f"KL, {kind}", f"KL by chance, {kind}"]

@@ -1,8 +1,6 @@
 """Table 1: samples a cell of the guiding grid gets in a frame, from what ReSTIR selects and from raw
 candidates."""
 
-import numpy as np
-
 from harness import cell_counts
 from harness import statistics as st
 from harness.jobs import seed_of
@@ -16,24 +14,21 @@ PAPER = (
 )
 
 
-def cell_calls(paper, scene):
-    """One call a seed."""
-    return [
-        paper.call(
-            cell_counts.measure,
-            scene,
-            OURS.graph,
-            seed=seed_of("cells", number),
-            first=min(8, paper.size.frames),
-            last=min(12, paper.size.frames),
-        )
-        for number in range(paper.size.seeds)
-    ]
+def cell_call(paper, scene):
+    """What is counted in a scene, for all seeds."""
+    return paper.call(
+        cell_counts.measure,
+        scene,
+        OURS.graph,
+        seeds=[seed_of("cells", number) for number in range(paper.size.seeds)],
+        first=min(8, paper.size.frames),
+        last=min(12, paper.size.frames),
+    )
 
 
-def row_of(scene, answers):
-    """ReSTIR, raw and their ratio for each average, over seeds. answers: arrays `averages` (frames, 2, 3)."""
-    means = np.array([answer["averages"].mean(0) for answer in answers])  # seeds, (ReSTIR, raw), averages
+def row_of(scene, averages):
+    """ReSTIR, raw and their ratio for each average, over seeds. averages: (seeds, frames, 2, 3)."""
+    means = averages.mean(1)
     row = [scene]
     for at in range(len(AVERAGES)):
         restir, raw = means[:, 0, at], means[:, 1, at]
@@ -44,10 +39,10 @@ def row_of(scene, answers):
 def run(paper):
     """Measure and tabulate."""
     rows = []
-    for scene in paper.scenes():
-        found = [answer for answer in paper.answers(cell_calls(paper, scene)) if answer]
-        if found:
-            rows.append(row_of(name_of(scene), found))
+    scenes = paper.scenes()
+    for scene, answer in zip(scenes, paper.answers([cell_call(paper, scene) for scene in scenes])):
+        if answer:
+            rows.append(row_of(name_of(scene), answer["averages"]))
     header = ["scene"]
     for average in AVERAGES:
         header += [f"ReSTIR, {average}", f"raw, {average}", f"ratio, {average}"]
