@@ -106,7 +106,7 @@ def reproduce(options, cache, pool, display):
         print_list(evaluation)
         return 0
     wanted = chosen(options.what)
-    for scene in evaluation.scenes():
+    for scene in evaluation.chosen:
         evaluation.file(scene)  # a wrong name is told before anything long starts
     sections = []
     for experiment in wanted:

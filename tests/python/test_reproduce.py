@@ -21,7 +21,7 @@ from webdriver import Browser
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import reproduce as program  # noqa: E402
-from harness.paper import ablation, cost, errors, experiments, motion, page, pictures, table_1  # noqa: E402
+from harness.paper import ablation, cost, errors, experiments, figure_4, motion, page, pictures, table_1  # noqa: E402
 from harness.paper.comparisons import CANDIDATES  # noqa: E402
 from harness.paper.paper import METHODS, OURS, QUICK, SHOWN, UNGUIDED, Results  # noqa: E402
 
@@ -135,6 +135,9 @@ def test_there_are_as_many_jobs_as_the_list_says(everything):
     assert len(finished(everything)) == jobs + len(references) + len(probes) + len(references)
 
 
+TRUTH = np.random.default_rng(7).uniform(0.1, 1, (18, 32, 3))
+
+
 def made_up(**frame_mape):
     """A Results of one scene whose methods (by label) have these errors in every frame and two seeds."""
     runs, found = {}, []
@@ -143,7 +146,11 @@ def made_up(**frame_mape):
             {
                 "frame_mape": np.full(4, mape * (1 + 0.1 * seed)),
                 "mape": np.full(4, 10 * mape * (1 + 0.1 * seed)),
-                "meta": {"passes": {"paths": 100 * mape, "splat": 2 * mape, "fit": mape}},
+                "frame": TRUTH * (1 + mape * np.random.default_rng(seed).normal(size=TRUTH.shape)),
+                "meta": {
+                    "passes": {"paths": 100 * mape, "splat": 2 * mape, "fit": mape},
+                    "memory": {"paths.candidates": 5760, "fit.guide": 1 << 20, "scene": 99},
+                },
             }
             for seed in range(2)
         ]
@@ -155,11 +162,57 @@ def made_up(**frame_mape):
                 equal_time={"mape": (100 * mape, mape)},
             )  # fmt: skip
         )
-    scene = SimpleNamespace(scene="made_up.glb", runs=runs, at=(1, 2, 3, 4))
+    truth = {"mean": TRUTH.astype(np.float32)}
+    scene = SimpleNamespace(scene="made_up.glb", runs=runs, at=(1, 2, 3, 4), reference=truth)
     return Results([scene], [SimpleNamespace(methods=found)])
 
 
 KNOWN = {method.label: 0.1 * number for number, method in enumerate(METHODS, 1)}
+
+
+class MadeUpPaper:
+    """A paper.Paper whose studies have the errors of `made_up`, 1%, 2% ... in the order of their methods."""
+
+    size, chosen, failures = QUICK, (), []
+
+    def scenes(self, *own):
+        return own or self.size.scenes
+
+    def compare(self, study, folder=None):
+        return made_up(**{method.label: 0.01 * number for number, method in enumerate(study.methods, 1)})
+
+    def call(self, function, scene, graph, **settings):
+        return None
+
+    def answers(self, calls):
+        bytes_of = {"bytes": {"vertex": 16, "guide": 160, "statistics": 152}}
+        return [
+            {"averages": np.ones((2, 5, 2, 3)), "guiding": np.ones((2, 5)), "meta": bytes_of} for _ in calls
+        ]
+
+
+@pytest.mark.parametrize("name", [name for name in experiments.BY_NAME if name != "figure 4"])
+def test_a_section_is_drawn_and_its_tables_are_written(name, tmp_path):
+    section = experiments.BY_NAME[name].run(MadeUpPaper())
+    assert section.pictures or section.tables
+    for picture in section.pictures:
+        assert picture.png().startswith(b"\x89PNG")
+    for table in section.tables:
+        table.write_csv(tmp_path)
+        assert len(read(tmp_path / f"{table.name}.csv")) == len(table.rows) > 0
+
+
+def test_figure_4_scores_each_kind_by_its_own_histograms():
+    product = np.full((1, 8, 32), 1 / 256)
+    right = {
+        "frames": np.array([1, 2]), "counts": np.full((2, 1, 2), 500.0), "effective": np.full((2, 1, 2), 500.0),
+        "histograms": np.broadcast_to(product[0], (2, 1, 2, 8, 32)),
+    }  # fmt: skip
+    wrong = {**right, "histograms": np.zeros((2, 1, 2, 8, 32))}
+    wrong["histograms"][..., 0, 0] = 1
+    for row in figure_4.rows_of("scene", product, [right, wrong]):
+        assert row[4].mean == pytest.approx(0, abs=1e-9) and row[7].mean == pytest.approx(np.log(256))
+        assert row[4].mean < row[5].mean < row[7].mean
 
 
 def test_each_method_has_its_own_errors():
