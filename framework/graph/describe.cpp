@@ -6,6 +6,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <iterator>
+
 namespace restirpg {
 namespace {
 
@@ -26,11 +29,23 @@ std::string valueOf(const Knob& knob)
     return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
+/// " (optional)", " (optional, with history)" or nothing.
+std::string optionality(const Interface& interface, const InputPort& input)
+{
+    std::vector<std::string> others;
+    for (const auto& group : interface.groups())
+        if (std::find(group.begin(), group.end(), input.name) != group.end())
+            std::copy_if(group.begin(), group.end(), std::back_inserter(others), [&](const std::string& name) { return name != input.name; });
+    if (!input.optional)
+        return {};
+    return others.empty() ? " (optional)" : fmt::format(" (optional, with {})", fmt::join(others, " and "));
+}
+
 Table inputTable(const Interface& interface)
 {
     Table table({"input", "type", "meaning"});
     for (const auto& input : interface.inputs())
-        table.add({input.name + (input.optional ? " (optional)" : ""), input.type.name, input.meaning});
+        table.add({input.name + optionality(interface, input), input.type.name, input.meaning});
     return table;
 }
 

@@ -58,6 +58,14 @@ void Interface::optionalInput(const std::string& name, In<Buffer>& target, PortT
     inputs_.back().optional = true;
 }
 
+void Interface::together(std::vector<std::string> names)
+{
+    for (const auto& name : names)
+        if (!std::any_of(inputs_.begin(), inputs_.end(), [&](const InputPort& input) { return input.optional && input.name == name; }))
+            fail("'{}' is no optional input, or not yet: declare it before together()", name);
+    groups_.push_back(std::move(names));
+}
+
 void Interface::output(const std::string& name, Out<Buffer>& target, PortType type, const std::string& meaning)
 {
     checkName(name, contains(outputs_, name));

@@ -106,6 +106,8 @@ class Interface {
 public:
     void input(const std::string& name, In<Buffer>& target, PortType type, const std::string& meaning);
     void optionalInput(const std::string& name, In<Buffer>& target, PortType type, const std::string& meaning);
+    /// A graph wires all of these optional inputs, declared before, or none.
+    void together(std::vector<std::string> names);
     void output(const std::string& name, Out<Buffer>& target, PortType type, const std::string& meaning);
 
     void knob(const std::string& name, bool& target, const std::string& meaning);
@@ -118,12 +120,14 @@ public:
     void structural();
 
     const std::vector<InputPort>& inputs() const { return inputs_; }
+    const std::vector<std::vector<std::string>>& groups() const { return groups_; }  ///< of inputs, see together()
     const std::vector<OutputPort>& outputs() const { return outputs_; }
     std::vector<Knob>& knobs() { return knobs_; }
     const std::vector<Knob>& knobs() const { return knobs_; }
 
 private:
     std::vector<InputPort> inputs_;
+    std::vector<std::vector<std::string>> groups_;
     std::vector<OutputPort> outputs_;
     std::vector<Knob> knobs_;
 };

@@ -119,6 +119,20 @@ private:
             if (!inputs[i].optional && !settled[i])
                 mistakes_.add(pass.location, fmt::format("{} needs its input '{}' wired", label(pass), inputs[i].name),
                               typeHelp(inputs[i].type));
+        for (const auto& group : pass.interface.groups())
+            checkGroup(pass, group, settled);
+    }
+
+    /// Inputs that go together are all wired, or none.
+    void checkGroup(const GraphPass& pass, const std::vector<std::string>& group, const std::vector<bool>& settled)
+    {
+        std::vector<std::string> wired, missing;
+        for (const auto& name : group)
+            (settled[*indexOf(pass.interface.inputs(), name)] ? wired : missing).push_back(name);
+        if (!wired.empty() && !missing.empty())
+            mistakes_.add(pass.location,
+                          fmt::format("{} has '{}' wired, but not '{}'", label(pass), fmt::join(wired, "', '"), fmt::join(missing, "', '")),
+                          fmt::format("wire all of {}, or none", fmt::join(group, ", ")));
     }
 
     void reportNoInput(const GraphPass& pass, const std::string& name, bool wired)

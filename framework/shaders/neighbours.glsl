@@ -30,7 +30,15 @@ bool find_previous_pixel(uvec2 at, vec2 motion, vec2 u, out uint pixel)
     return true;
 }
 
-/// Index of a pixel drawn uniformly from the disk about this one; false: outside of the image, or this one.
+/// Radius in pixels of this image of a disk of neighbours whose radius is given in pixels of an image of 1080 lines; never so small that no
+/// neighbours are left (ALGORITHMS O10).
+float disk_radius(float radius_at_1080)
+{
+    const float LEAST_RADIUS = 3.0;
+    return max(radius_at_1080 * float(frame.c.size.y) / 1080.0, LEAST_RADIUS);
+}
+
+/// Index of a pixel drawn uniformly from the disk about this one, radius in pixels; false: outside of the image, or this one.
 bool find_neighbour_pixel(uvec2 at, float radius, vec2 u, out uint pixel)
 {
     float angle = 2.0 * PI * u.y;

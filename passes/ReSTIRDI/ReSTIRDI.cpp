@@ -10,11 +10,6 @@ static_assert(sizeof(LightReservoir) == 28);
 
 namespace {
 
-/// Fewest pixels of the radius of spatial reuse, whatever the size of the image: below, no neighbours would be left
-/// (ALGORITHMS O10).
-constexpr float LEAST_RADIUS = 3.0f;
-/// Lines of the image for which the knob `radius` is in pixels.
-constexpr float RADIUS_LINES = 1080.0f;
 /// In the order of FAULT_*.
 const std::vector<std::string> FAULTS = {"none",          "visibility",      "cap",    "confidence",
                                          "light_measure", "previous_camera", "mixture"};
@@ -33,6 +28,7 @@ public:
                          "the surface one frame ago: prev(\"gbuffer.surface\")");
         io.optionalInput("history", history_, reservoir,
                          "the output reservoirs, one frame ago: prev(\"direct.reservoirs\")");
+        io.together({"motion", "previous_surface", "history"});
         io.output("radiance", radiance_, image(3),
                   "direct light scattered to the camera through lobes that are not deltas, W/sr/m^2");
         io.output("reservoirs", reservoirs_, reservoir, "the light point that each pixel ends the frame with");
@@ -69,9 +65,6 @@ public:
 
     void record(Frame& frame) override
     {
-        const int temporalInputs = int(bool(motion_)) + int(bool(previousSurface_)) + int(bool(history_));
-        if (temporalInputs != 0 && temporalInputs != 3)
-            fail("ReSTIRDI: temporal reuse needs all of motion, previous_surface and history; wire them all or none");
         ReSTIRDIParameters parameters = parametersOf(frame);
         parameters.reservoirs = stageTarget(frame, 0);
         frame.dispatchPixels(candidatesKernel_, parameters);
@@ -102,7 +95,7 @@ private:
         parameters.neighbours = neighbours_;
         parameters.pairwise = mis_ == "pairwise";
         parameters.cap = float(cap_);
-        parameters.radius = std::max(LEAST_RADIUS, radius_ * float(frame.height()) / RADIUS_LINES);
+        parameters.radius = radius_;
         parameters.normalThreshold = normalThreshold_;
         parameters.depthThreshold = depthThreshold_;
         return parameters;

@@ -33,7 +33,7 @@ struct ReSTIRDIParameters {
     uint neighbours;  ///< drawn in one round
     uint pairwise;  ///< 1: pairwise MIS, 0: balance heuristic
     float cap;  ///< confidence of the history, in candidate sets
-    float radius;  ///< of the disk of neighbours, pixels
+    float radius;  ///< of the disk of neighbours, see disk_radius
     float normalThreshold;  ///< least cosine between normals of merged pixels
     float depthThreshold;  ///< most relative difference of their distances from the camera
 };

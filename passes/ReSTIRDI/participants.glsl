@@ -21,13 +21,14 @@ void add_previous(ReSTIRDIParameters params, RandomKey key, uvec2 at, Hit hit, v
     add_neighbour(pixel, min(merge.reservoirs.at[pixel].confidence, params.cap));
 }
 
-/// Add up to params.neighbours pixels, uniformly from the disk of params.radius pixels about this one.
+/// Add up to params.neighbours pixels, uniformly from the disk about this one.
 void add_around(ReSTIRDIParameters params, RandomKey key, uvec2 at, Hit hit)
 {
     Surface centre = load_surface(hit, false);
+    float radius = disk_radius(params.radius);
     for (uint i = 0u; i < params.neighbours; ++i) {
         uint pixel;
-        if (!find_neighbour_pixel(at, params.radius, random2(key, RANDOM_PARTICIPANTS + params.round, i), pixel))
+        if (!find_neighbour_pixel(at, radius, random2(key, RANDOM_PARTICIPANTS + params.round, i), pixel))
             continue;
         Hit there = merge.surfaces.at[pixel];
         if (there.instance != INVALID_INDEX && is_similar(centre, load_surface(there, false), frame.c.camera.position,

@@ -10,10 +10,6 @@ static_assert(sizeof(PathReservoir) == 92);
 
 namespace {
 
-/// Fewest pixels of the radius of spatial reuse, whatever the size of the image: below, no neighbours would be left (ALGORITHMS O10).
-constexpr float LEAST_RADIUS = 3.0f;
-/// Lines of the image for which the knob `radius` is in pixels.
-constexpr float RADIUS_LINES = 1080.0f;
 /// In the order of REUSE_FAULT_*.
 const std::vector<std::string> FAULTS = {"none",       "jacobian",   "mis",           "cap",          "previous_camera",
                                          "confidence", "visibility", "light_measure", "sharp_density"};
@@ -35,6 +31,7 @@ public:
         io.optionalInput("candidate_vertices", candidateVertices_, vertices, "the bounces of the candidates; needed by the output vertices");
         io.optionalInput("history_vertices", historyVertices_, vertices,
                          "the output vertices, one frame ago: prev(\"reuse.vertices\"); needed by the output vertices under temporal reuse");
+        io.together({"motion", "previous_surface", "history"});
         io.output("radiance", radiance_, image(3), "light of the chosen path, W/sr/m^2");
         io.output("reservoirs", reservoirs_, reservoir, "the path that each pixel ends the frame with");
         io.output("vertices", vertices_, vertices, "the bounces of that path as it stands in this pixel, bounces + 1 a pixel");
@@ -65,7 +62,7 @@ public:
 
     void record(Frame& frame) override
     {
-        checkWiring();
+        checkVertices();
         ReuseParameters parameters = makeParameters(frame);
         // Each stage reads one set of paths and writes another; the last one writes the output.
         uint32_t stage = rounds_;
@@ -95,11 +92,8 @@ public:
     }
 
 private:
-    void checkWiring() const
+    void checkVertices() const
     {
-        const int temporalInputs = int(bool(motion_)) + int(bool(previousSurface_)) + int(bool(history_));
-        if (temporalInputs != 0 && temporalInputs != 3)
-            fail("ReSTIRReuse: temporal reuse needs all of motion, previous_surface and history; wire them all or none");
         if (!vertices_)
             return;
         if (!candidateVertices_ || (history_ && !historyVertices_))
@@ -121,7 +115,7 @@ private:
         p.vertexSource = addressOf(candidateVertices_);
         p.vertexHistory = addressOf(historyVertices_);
         p.cap = cap_;
-        p.radius = std::max(radius_ * float(frame.height()) / RADIUS_LINES, LEAST_RADIUS);
+        p.radius = radius_;
         p.normalThreshold = normalThreshold_;
         p.depthThreshold = depthThreshold_;
         p.neighbours = neighbours_;

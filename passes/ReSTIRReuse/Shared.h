@@ -18,7 +18,7 @@ struct ReuseParameters {
     Address vertexHistory;  ///< PathVertex of `history`
     Address vertices;  ///< PathVertex of `reservoirs`, written
     float cap;  ///< confidence of the history, at most, times that of the pixel's own
-    float radius;  ///< pixels
+    float radius;  ///< of the disk of neighbours, see disk_radius
     float normalThreshold;
     float depthThreshold;
     uint neighbours;

@@ -20,9 +20,10 @@ Neighbours find_neighbours(uvec2 at, Hit hit)
     n.count = 0u;
     n.confidence = 0.0;
     Surface centre = load_surface(hit, false);
+    float radius = disk_radius(params.radius);
     for (uint i = 0u; i < params.neighbours; ++i) {
         uint pixel;
-        if (!find_neighbour_pixel(at, params.radius, random2(reuse_key(at), params.round, 2u * i), pixel))
+        if (!find_neighbour_pixel(at, radius, random2(reuse_key(at), params.round, 2u * i), pixel))
             continue;
         Hit there = HitArray(params.surface).at[pixel];
         if (there.instance == INVALID_INDEX || !is_similar(centre, load_surface(there, false), frame.c.camera.position,

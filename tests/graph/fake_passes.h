@@ -100,6 +100,35 @@ private:
     Out<Buffer> blurred_;
 };
 
+/// Has inputs that go together.
+class Reuse final : public FakePass {
+public:
+    void describe(Interface& io) override
+    {
+        io.optionalInput("motion", motion_, image(3), "Picture");
+        io.optionalInput("history", history_, image(3), "Second picture");
+        io.together({"motion", "history"});
+        io.output("merged", merged_, image(3), "Picture");
+    }
+
+private:
+    In<Buffer> motion_, history_;
+    Out<Buffer> merged_;
+};
+
+/// Puts together what is no optional input.
+class Apart final : public FakePass {
+public:
+    void describe(Interface& io) override
+    {
+        io.input("image", image_, image(3), "Picture");
+        io.together({"image"});
+    }
+
+private:
+    In<Buffer> image_;
+};
+
 /// Declares the same name twice.
 class Twice final : public FakePass {
 public:
@@ -125,7 +154,8 @@ const PluginEntry* entry(const char* name)
 inline Plugins fakePlugins()
 {
     return Plugins({entry<GBuffer>("GBuffer"), entry<Paths>("Paths"), entry<Fit>("Fit"),
-                    entry<Accumulate>("Accumulate"), entry<Blur>("Blur"), entry<Twice>("Twice")});
+                    entry<Accumulate>("Accumulate"), entry<Blur>("Blur"), entry<Twice>("Twice"),
+                    entry<Reuse>("Reuse"), entry<Apart>("Apart")});
 }
 
 }  // namespace restirpg::test

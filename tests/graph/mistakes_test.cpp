@@ -15,7 +15,7 @@ TEST(GraphMistakes, UnknownPassTypeListsThePassesAndTheNearest)
 {
     EXPECT_EQ(mistakes(pathTracer().add("more", "Path").graph),
               "g.py:5: there is no pass type 'Path'\n"
-              "    pass types: Accumulate, Blur, Fit, GBuffer, Paths, Twice        did you mean 'Paths'?");
+              "    pass types: Accumulate, Apart, Blur, Fit, GBuffer, Paths, Reuse, Twice        did you mean 'Paths'?");
 }
 
 TEST(GraphMistakes, DuplicatePassNameNamesTheFirst)
@@ -88,6 +88,20 @@ TEST(GraphMistakes, RequiredInputUnwiredNamesWhatFits)
     EXPECT_EQ(mistakes(pathTracer().add("fit", "Fit", {{"vertices", nullptr}}).graph),
               "g.py:5: pass 'fit' (Fit) needs its input 'vertices' wired\n"
               "    outputs of type PathVertices: paths.vertices");
+}
+
+TEST(GraphMistakes, InputsThatGoTogetherAreAllWiredOrNone)
+{
+    EXPECT_EQ(mistakes(pathTracer().add("reuse", "Reuse", {{"motion", "gbuffer.normal"}}).graph),
+              "g.py:5: pass 'reuse' (Reuse) has 'motion' wired, but not 'history'\n"
+              "    wire all of motion, history, or none");
+    EXPECT_EQ(mistakes(pathTracer().add("reuse", "Reuse", {{"motion", "gbuffer.normal"}, {"history", nullptr}}).graph),
+              "g.py:5: pass 'reuse' (Reuse) has 'motion' wired, but not 'history'\n"
+              "    wire all of motion, history, or none");
+    EXPECT_EQ(mistakes(pathTracer().add("reuse", "Reuse").add("all", "Reuse", {{"motion", "gbuffer.normal"}, {"history", "~all.merged"}}).graph),
+              "");
+    EXPECT_EQ(mistakes(pathTracer().add("apart", "Apart", {{"image", "gbuffer.normal"}}).graph),
+              "g.py:5: pass 'apart' (Apart) describes itself wrongly: 'image' is no optional input, or not yet: declare it before together()");
 }
 
 TEST(GraphMistakes, TypeMismatchNamesBothTypesAndWhatFits)
@@ -185,7 +199,7 @@ TEST(GraphMistakes, AreCollectedWithoutFollowingOnes)
         .output("depth", "gbuffer.depth");
     EXPECT_EQ(mistakes(writer.graph),
               "g.py:1: there is no pass type 'Gbuffer'\n"
-              "    pass types: Accumulate, Blur, Fit, GBuffer, Paths, Twice        did you mean 'GBuffer'?\n"
+              "    pass types: Accumulate, Apart, Blur, Fit, GBuffer, Paths, Reuse, Twice        did you mean 'GBuffer'?\n"
               "g.py:2: pass 'paths' (Paths) has no knob 'bounce'\n"
               "    knobs: bounces, roughness, offset, cells, note, nee        did you mean 'bounces'?\n"
               "g.py:2: pass 'paths' (Paths): knob 'bounces' must be a whole number from 0 to 64, not 100");

@@ -39,7 +39,7 @@ public:
         parameters.source = reservoirs_->address();
         parameters.neighbours = 4;
         parameters.cap = 5;
-        parameters.radius = 4;
+        parameters.radius = 4.0f * 1080.0f / float(frame.height());  // 4 pixels
         parameters.normalThreshold = 0.5f;
         parameters.depthThreshold = 0.1f;
         parameters.radiance = temporal_->address();
