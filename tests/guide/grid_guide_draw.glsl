@@ -16,6 +16,7 @@ Vertex test_vertex()
     v.point.bsdf = make_bsdf(BsdfParameters(vec3(0.6), params.metallic, params.roughness, 1.0, vec3(1.0), 0.0, 1.5, 0.09, false, true));
     v.material = CELL_MATERIAL;
     v.guided = guide_lookup(params.guide, GuideQuery(v.point.position, CELL_NORMAL, params.wo, CELL_MATERIAL, uvec2(0u), 1u), v.guide);
+    v.alpha = guide_alpha(v.guide, params.alpha);
     return v;
 }
 
