@@ -76,6 +76,12 @@ def test_what_was_rendered_before_an_interruption_stays(out, scene_file, tmp_pat
     assert [session["first_run"] for session in both["sessions"]] == [0, 2]
 
 
+def test_a_cap_of_no_bounces_is_not_the_scenes_own(scene_file, tmp_path):  # noqa: F811
+    _, found = record(tmp_path, scene_file, "graphs/restir_pt.py", "--frames", "1", "--runs", "2",
+                      "--reference-batches", "2", "--bounces", "0")
+    assert found["bounces"] == 0
+
+
 @pytest.mark.parametrize(("arguments", "words"), [
     (["graphs/none.py", "--scene", "cornell_box"], "no such graph"),
     (["graphs/restir_pt.py", "--scene", "no_scene"], "neither a file nor an embedded scene"),
