@@ -1,7 +1,7 @@
 """What scripts/reproduce.py can make: each experiment's name, what it shows, and what it renders."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from harness.paper import ablation, comparisons, cost, figure_2, figure_4, motion, table_1
 
@@ -82,8 +82,8 @@ def jobs_and_minutes(paper, experiments):
     size = paper.size
     pixels = size.size[0] * size.size[1]
     studies = dict.fromkeys(study for experiment in experiments for study in experiment.studies(paper))
-    runs = {
-        (method, scene, study.changes)
+    runs = {  # a method is what it renders, whatever a figure calls it
+        (replace(method, label=""), scene, study.changes)
         for study in studies
         for method in study.methods
         for scene in study.scenes
