@@ -28,15 +28,6 @@ from harness.motion import Motion  # noqa: E402
 from harness.workers import open_pool  # noqa: E402
 
 
-def frame_numbers(text):
-    """`K,K,...`, ascending, counted from 1."""
-    parts = text.split(",")
-    numbers = tuple(int(part) for part in parts if part.isdigit())
-    if len(numbers) != len(parts) or numbers != tuple(sorted(set(numbers))) or numbers[0] < 1:
-        raise argparse.ArgumentTypeError(f"'{text}' is no ascending list of frames from 1 on, as in 1,8,16")
-    return numbers
-
-
 def length(text):
     """A positive number."""
     try:
@@ -66,7 +57,7 @@ def parse(arguments):
     add("--frames", type=program.positive, help="frames of a run (32, or the last of --at)")
     add(
         "--at",
-        type=frame_numbers,
+        type=program.frame_numbers,
         default=(),
         metavar="K,K,...",
         help="measure these frames' own pictures, not the mean of all: each against a reference with its own "

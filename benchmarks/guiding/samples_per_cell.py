@@ -13,7 +13,6 @@ themselves (what a sample sees), sum n^2 / sum n. [Zeng et al. 2025, table 1]
 
 import argparse
 import json
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -21,22 +20,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
-from harness import cell_counts, render  # noqa: E402
+from harness import cell_counts, render, scenes  # noqa: E402
 
 SCENES = ["door_ajar", "door_ajar_diffuse", "bidirectional_room", "living_room", "temple"]
 GRAPH = str(ROOT / "graphs" / "restir_pg.py")
-
-
-def load(name, folder):
-    """The file of a scene, an embedded one written to `folder`."""
-    if Path(name).is_file():
-        return name
-    subprocess.run(
-        [sys.executable, ROOT / "scripts" / "make_scenes.py", name, "--out", folder],
-        check=True,
-        stdout=subprocess.DEVNULL,
-    )
-    return str(Path(folder) / f"{name}.glb")
 
 
 def main():
@@ -55,7 +42,7 @@ def main():
     description = json.dumps(render.describe_graph(GRAPH))
     with tempfile.TemporaryDirectory() as folder:
         for name in arguments.scene:
-            found = cell_counts.measure(load(name, folder), description, arguments.size, seeds=[1])
+            found = cell_counts.measure(scenes.file_of(name, folder), description, arguments.size, seeds=[1])
             (restir, raw), (cells, raw_cells) = found["averages"].mean((0, 1)), found["cells"][0, -1]
             pairs = " | ".join(f"{a:.2f} / {b:.2f} ({a / b:.1f})" for a, b in zip(restir, raw))
             lines.append(f"| {Path(name).stem} | {cells} / {raw_cells} | {pairs} |")

@@ -24,11 +24,10 @@ sys.path.insert(0, str(ROOT / "scripts"))
 from report import as_json, as_markdown, findings_of  # noqa: E402
 from runs import Case, MethodRuns, ReferenceBatches  # noqa: E402
 
-from harness import UserError, render  # noqa: E402
+from harness import UserError, program, render, scenes  # noqa: E402
 from harness.jobs import parse_method  # noqa: E402
 from harness.motion import Motion  # noqa: E402
 from harness.unbiased import compare  # noqa: E402
-from scenes import SCENES  # noqa: E402
 
 
 def size(text):
@@ -38,15 +37,6 @@ def size(text):
     if len(edges) != 2 or any(edge < 4 or edge % 4 for edge in edges):
         raise argparse.ArgumentTypeError(f"'{text}' is not WIDTHxHEIGHT in multiples of 4, as in 48x48")
     return tuple(edges)
-
-
-def frame_numbers(text):
-    """`K,K,...`, ascending, counted from 1."""
-    parts = text.split(",")
-    numbers = tuple(int(part) for part in parts if part.isdigit())
-    if len(numbers) != len(parts) or numbers != tuple(sorted(set(numbers))) or numbers[0] < 1:
-        raise argparse.ArgumentTypeError(f"'{text}' is no ascending list of frames from 1 on, as in 1,2,8,32")
-    return numbers
 
 
 def several(text):
@@ -64,7 +54,7 @@ def parse(arguments):
     add("method", metavar="GRAPH[@SETTING=VALUE,...]", help="as scripts/compare.py takes it")
     add("--scene", required=True, metavar="NAME|FILE", help="an embedded scene, or a .glb or .gltf file")
     add("--size", type=size, default=(48, 48), metavar="WxH", help="pixels, multiples of a block (48x48)")
-    add("--frames", type=frame_numbers, default=(1, 2, 8, 32), metavar="K,K,...",
+    add("--frames", type=program.frame_numbers, default=(1, 2, 8, 32), metavar="K,K,...",
         help="samples of a run (1,2,8,32)")
     add("--runs", type=several, default=400, help="independent runs (%(default)s)")
     add("--block", type=int, choices=(4, 8, 16), default=4,
@@ -85,16 +75,6 @@ def parse(arguments):
     return parser.parse_args(arguments)
 
 
-def scene_file(name, folder):
-    """The scene's file; an embedded one is written first."""
-    if name in SCENES:
-        folder.mkdir(parents=True, exist_ok=True)
-        return Path(SCENES[name]().write(folder))
-    if not Path(name).is_file():
-        raise UserError(f"{name}: neither a file nor an embedded scene; make_scenes.py --list names those")
-    return Path(name)
-
-
 def grow(what, source, count, deadline):
     """Render until there are `count` samples, or until the time is up, but never fewer than two."""
     at_first = len(source.samples)
@@ -109,7 +89,7 @@ def grow(what, source, count, deadline):
 def record(options):
     """Render what is missing, test, print and write. Returns the exit code."""
     deadline = time.monotonic() + options.seconds
-    case = Case(parse_method(options.method), scene_file(options.scene, options.out / "scenes"), options.size,
+    case = Case(parse_method(options.method), Path(scenes.file_of(options.scene, options.out / "scenes")), options.size,
                 options.bounces, options.frames, Motion(options.circle, options.fps))
     method = MethodRuns(case, options.out)
     bounces = method.renderer.get("paths.bounces")
@@ -148,15 +128,12 @@ def record_or_refuse(options):
 def main(arguments):
     """The command line. Returns the exit code."""
     options = parse(arguments)
-    try:
+
+    def body(_):
         render.find_package()
         return record_or_refuse(options)
-    except (UserError, OSError) as error:
-        print(f"record.py: {error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("\ninterrupted; finished runs are kept: the same command goes on from here", file=sys.stderr)
-        return 130
+
+    return program.run("record.py", body)
 
 
 if __name__ == "__main__":

@@ -22,6 +22,15 @@ def positive(text):
     return int(text)
 
 
+def frame_numbers(text):
+    """`K,K,...`, ascending, counted from 1."""
+    parts = text.split(",")
+    numbers = tuple(int(part) for part in parts if part.isdigit())
+    if len(numbers) != len(parts) or numbers != tuple(sorted(set(numbers))) or numbers[0] < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is no ascending list of frames from 1 on, as in 1,8,16")
+    return numbers
+
+
 def add_runner(parser, out):
     """Arguments of who runs the jobs and where results go; `out`: the default folder."""
     parser.add_argument(

@@ -1,5 +1,4 @@
-"""What the harness must know of a scene file before the renderer loads it: its content's hash and its bounce
-cap."""
+"""Scene files: those of embedded scenes, and what the harness must know of one before the renderer loads it."""
 
 import json
 import struct
@@ -8,6 +7,18 @@ from pathlib import Path
 
 from harness import UserError
 from harness.jobs import digest
+
+
+def file_of(name, folder):
+    """The file `name`, or that of the embedded scene so called, written to `folder`; raises UserError."""
+    from scenes import SCENES
+
+    if Path(name).is_file():
+        return str(name)
+    if name not in SCENES:
+        raise UserError(f"{name}: neither a file nor an embedded scene; scripts/make_scenes.py --list names those")
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    return str(SCENES[name]().write(Path(folder)))
 
 
 def _document(file):

@@ -12,7 +12,7 @@ import pytest
 from harness_runs import ENVIRONMENT, ROOT, arguments, compare, tables
 from harness.jobs import seed_of
 
-distributed = pytest.importorskip("distributed")
+distributed = pytest.importorskip("distributed", reason="python3-distributed is not installed: no Dask worker has run a job")
 
 SLOW = ["plain.json@sleep=0.1", "plain.json@noise=0.5,sleep=0.1,label=quiet"]  # 0.8 s a run
 SLOW_OPTIONS = {"reference_frames": 64, "reference_batches": 4}

@@ -313,7 +313,7 @@ def test_a_csv_has_means_and_errors_unscaled(tmp_path):
         (["tables"], "there is no 'tables'"),
         ([], "say what to reproduce, as in"),
         (["figure"], "say what to reproduce, as in"),
-        (["figure", "5", "--scenes", "absent"], "no scene 'absent'"),
+        (["figure", "5", "--scenes", "absent"], "absent: neither a file nor an embedded scene"),
         (["figure", "5", "--scenes", "README.md"], "README.md"),
         (["figure", "5", "--size", "12"], "'12' is not WIDTHxHEIGHT"),
         (["figure", "5", "--quick", "--full"], "not allowed with"),

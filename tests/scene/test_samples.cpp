@@ -42,7 +42,7 @@ protected:
             return;
         std::cerr << "SKIPPED: the sample scenes are missing; set RESTIRPG_SHARED to the folder that holds "
                      "gltf-samples/ and scenes/\n";
-        GTEST_SKIP() << "no sample scenes";
+        GTEST_SKIP() << "no sample scenes: RESTIRPG_SHARED does not name their folder";
     }
 
     std::filesystem::path shared_;

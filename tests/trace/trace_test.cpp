@@ -181,7 +181,7 @@ TEST_P(SharedSceneTraceTest, BackEndsAndEmbreeAgree)
     const auto file = std::filesystem::path(folder ? folder : RESTIRPG_SOURCE "/../shared") / "scenes" / GetParam();
     if (!std::filesystem::exists(file)) {
         fmt::print("SKIPPED: {} is not there; the shared scenes lie beside the repository\n", file.string());
-        GTEST_SKIP() << "no shared scene";
+        GTEST_SKIP() << "no shared scene: " << file;
     }
     const Scene scene = loadGltf(file);
     const auto pose = poseNodes(scene, 0);

@@ -2,12 +2,10 @@
 
 import json
 import os
-import subprocess
-import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from harness import UserError, analysis, render, report, scenes, tables
+from harness import analysis, render, report, scenes, tables
 from harness.comparison import Comparison, Settings
 from harness.jobs import Call, Method
 
@@ -97,19 +95,8 @@ class Paper:
     def file(self, scene):
         """The file of a scene by name or path; an embedded one is written into the folder `scenes`."""
         if scene not in self._files:
-            self._files[scene] = scene if Path(scene).is_file() else self._embedded(scene)
+            self._files[scene] = scenes.file_of(scene, self.out / "scenes")
         return self._files[scene]
-
-    def _embedded(self, name):
-        folder = self.out / "scenes"
-        script = render.ROOT / "scripts" / "make_scenes.py"
-        run = subprocess.run(
-            [sys.executable, script, name, "--out", folder], capture_output=True, text=True, check=False
-        )
-        if run.returncode:
-            lines = run.stderr.strip().splitlines() or [f"{name}: the scene cannot be made"]
-            raise UserError(f"{lines[-1].removeprefix('make_scenes.py: ')}; or give a .glb or .gltf file")
-        return str(folder / f"{name}.glb")
 
     def settings(self, study):
         """The study as the harness's Settings."""
