@@ -32,12 +32,13 @@ std::string valueOf(const Knob& knob)
 /// " (optional)", " (optional, with history)" or nothing.
 std::string optionality(const Interface& interface, const InputPort& input)
 {
-    std::vector<std::string> others;
-    for (const auto& group : interface.groups())
-        if (std::find(group.begin(), group.end(), input.name) != group.end())
-            std::copy_if(group.begin(), group.end(), std::back_inserter(others), [&](const std::string& name) { return name != input.name; });
     if (!input.optional)
         return {};
+    std::vector<std::string> others;
+    const auto isOther = [&](const std::string& name) { return name != input.name; };
+    for (const auto& group : interface.groups())
+        if (std::find(group.begin(), group.end(), input.name) != group.end())
+            std::copy_if(group.begin(), group.end(), std::back_inserter(others), isOther);
     return others.empty() ? " (optional)" : fmt::format(" (optional, with {})", fmt::join(others, " and "));
 }
 

@@ -57,6 +57,15 @@ bool is_connectable(uint label_before, uint label_after, float edge_length)
     return label_before == LABEL_SMOOTH && label_after == LABEL_SMOOTH && edge_length >= NEAR_FIELD * SCENE.radius;
 }
 
+/// The bounce at p in direction wi, as guides are trained on it; `value`: its f |cos|.
+PathVertex record_bounce(ShadingPoint p, uint material, uint label, vec3 wi, vec3 value)
+{
+    if (label != LABEL_SMOOTH)
+        return no_path_vertex();
+    float density = label_pdf(p.bsdf, p.wo, to_local(p.local_frame, wi), label);
+    return make_path_vertex(p.position, p.normal, material, wi, luminance(value), density);
+}
+
 /// |cos| / d^2 of an edge of direction wi and length d that arrives at a surface of normal n.
 float edge_geometry(vec3 n, vec3 wi, float d)
 {

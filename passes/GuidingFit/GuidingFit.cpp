@@ -52,7 +52,7 @@ public:
                                               history_.empty ? 0 : history_->address(),
                                               guide_->address(),
                                               capacity(),
-                                              (cosine_ ? GUIDING_COSINE : 0) | (parallax_ ? GUIDING_PARALLAX : 0) | (learnAlpha_ ? GUIDING_ALPHA : 0),
+                                              options(),
                                               remembers(),
                                               pool_,
                                               reseed_,
@@ -72,6 +72,12 @@ public:
 
 private:
     uint32_t capacity() const { return std::bit_ceil(cells_); }
+
+    uint32_t options() const
+    {
+        return (cosine_ ? GUIDING_COSINE : 0) | (parallax_ ? GUIDING_PARALLAX : 0) | (learnAlpha_ ? GUIDING_ALPHA : 0);
+    }
+
     /// Parallax reads its sums at lookup.
     bool remembers() const { return pool_ || decay_ > 0 || parallax_; }
 

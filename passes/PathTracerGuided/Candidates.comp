@@ -76,14 +76,6 @@ void offer(PathReservoir path, float weight, float u, PathVertex last)
     }
 }
 
-/// The bounce of `label` in direction wi, as guides are trained on it.
-PathVertex record_bounce(Vertex v, uint label, vec3 wi, vec3 value)
-{
-    if (label != LABEL_SMOOTH)
-        return no_path_vertex();
-    return make_path_vertex(v.point.position, v.point.normal, v.material, wi, luminance(value), label_pdf(v.point.bsdf, v.point.wo, to_local(v.point.local_frame, wi), LABEL_SMOOTH));
-}
-
 /// A direction with its label: what the tree takes along an edge.
 struct Bounce {
     uint label;
@@ -161,7 +153,7 @@ void offer_light_sample(Tree tree, Vertex v, uint u, RandomKey key, RandomKey ch
     float density = e.light_pdf / e.jacobian * shares[label] + (e.delta ? 0.0 : label_density(v, label, local, e.wi));
     vec3 light = e.radiance * transmittance_leaving(p, e.wi, e.distance);
     PathReservoir path = end_path(tree, v, u, bounce, point, e, light);
-    PathVertex last = record_bounce(v, label, e.wi, bounce.value);
+    PathVertex last = record_bounce(v.point, v.material, label, e.wi, bounce.value);
     set_final(last, true);
     offer(path, luminance(path.f) * tree.inverse_pdf / density, numbers.y, last);
     note_light(u, bounce.value * light / density);
@@ -213,7 +205,7 @@ void offer_found_light(Tree tree, Vertex v, uint u, Bounce s, LightPoint point, 
     if (!s.delta && e.jacobian > 0.0 && params.nextEventEstimation != 0u)
         density += e.light_pdf / e.jacobian * label_shares(v, s.local)[s.label];
     PathReservoir path = end_path(tree, v, u, s, point, e, radiance * absorption);
-    PathVertex last = record_bounce(v, s.label, s.wi, s.value);
+    PathVertex last = record_bounce(v.point, v.material, s.label, s.wi, s.value);
     set_final(last, false);
     offer(path, luminance(path.f) * tree.inverse_pdf / density, random4(choices, u, 0u).z, last);
     note_light(u + 1u, radiance * (s.density / density));
@@ -258,7 +250,7 @@ void trace_tree(Hit hit, uvec2 at)
         vec3 side = dot(v.point.normal, s.wi) > 0.0 ? v.point.normal : -v.point.normal;
         bool found = trace_closest(offset_origin(v.point.position, side), s.wi, RAY_INFINITY, hit, t);
         bool owned = u > 1u || s.delta;
-        PathVertex bounce = record_bounce(v, s.label, s.wi, s.value);
+        PathVertex bounce = record_bounce(v.point, v.material, s.label, s.wi, s.value);
         if (!found) {
             vec3 absorption = transmittance_leaving(v.point, s.wi, INFINITE_DISTANCE);
             vec3 radiance = environment_radiance(s.wi);

@@ -20,11 +20,9 @@ void write_bounce(uint slot, uint label, uint material, ShadingPoint p, vec3 wi,
 {
     PathVertexArray vertices = PathVertexArray(params.vertices);
     uint flags = vertices.at[slot].surface & (VERTEX_FINAL | VERTEX_LIGHT_SAMPLED);
-    PathVertex v = no_path_vertex();
-    if (label == LABEL_SMOOTH) {
-        v = make_path_vertex(p.position, p.normal, material, wi, luminance(value), label_pdf(p.bsdf, p.wo, to_local(p.local_frame, wi), LABEL_SMOOTH));
+    PathVertex v = record_bounce(p, material, label, wi, value);
+    if (is_valid(v))
         v.surface |= flags;
-    }
     vertices.at[slot] = v;
 }
 

@@ -22,14 +22,24 @@ public:
 
     void build(Device& device) override
     {
-        kernel_ = Kernel(device, passFile("ReplayReuse.comp"), {{"GUIDED", guide_.module.empty() ? "0" : "1"}}, {{"guide_module.glsl", guide_.module}});
+        const Defines defines = {{"GUIDED", guide_.module.empty() ? "0" : "1"}};
+        kernel_ = Kernel(device, passFile("ReplayReuse.comp"), defines, {{"guide_module.glsl", guide_.module}});
     }
 
     void record(Frame& frame) override
     {
         const bool past = history_ && !history_.empty;
-        frame.dispatchPixels(kernel_, ReplayParameters{frame.constants(), surface_->address(), addressOf(guide_), past ? history_->address() : 0,
-                                                       addressOf(reservoirs_), addressOf(vertices_), radiance_->address(), alpha_, cap_, replay_});
+        const ReplayParameters parameters{frame.constants(),
+                                          surface_->address(),
+                                          addressOf(guide_),
+                                          past ? history_->address() : 0,
+                                          addressOf(reservoirs_),
+                                          addressOf(vertices_),
+                                          radiance_->address(),
+                                          alpha_,
+                                          cap_,
+                                          replay_};
+        frame.dispatchPixels(kernel_, parameters);
     }
 
 private:
