@@ -80,8 +80,9 @@ def parse(arguments):
     )
     add(
         "--bounces",
-        type=program.positive,
-        help="bounce cap of every pass and of the reference (the scene's, or the graph's own)",
+        type=program.bounces,
+        help="bounce cap of every pass and of the reference, 0: direct light alone (the scene's, or the graph's "
+        "own)",
     )
     add("--environment", metavar="FILE|R,G,B", help="environment light in place of the scene's")
     add("--camera", type=int, default=0, help="number of the scene's camera (%(default)s)")

@@ -59,7 +59,7 @@ def parse(arguments):
     add("--runs", type=several, default=400, help="independent runs (%(default)s)")
     add("--block", type=int, choices=(4, 8, 16), default=4,
         help="edge of a block, pixels: larger ones for scenes of rare bright samples (%(default)s)")
-    add("--bounces", type=int, help="bounce cap of method and reference (the scene's, or the graph's own)")
+    add("--bounces", type=program.bounces, help="bounce cap of method and reference (the scene's, or the graph's own)")
     add("--circle", type=float, default=0.0, metavar="M",
         help="move the camera in a circle of this radius, 6 frames a turn")
     add("--fps", type=float, default=0.0, help="play the scene's animation, frames a second")

@@ -34,7 +34,7 @@ class Case:
             scene=str(self.scene), scene_hash=scenes.content_hash(self.scene), graph=self.method.graph,
             description=json.dumps(description, sort_keys=True), size=self.size, frames=0, seed=0,
             code=code_of(description), knobs=self.method.knobs, output=self.method.output,
-            bounces=scenes.bounce_cap(self.scene) if self.bounces is None else self.bounces, device=self.method.device,
+            bounces=scenes.bounce_cap(self.scene, self.bounces), device=self.method.device,
             backend=self.method.backend)
 
 

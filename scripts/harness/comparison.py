@@ -85,7 +85,7 @@ class Comparison:
                 code=code,
                 environment=settings.environment,
                 camera=settings.camera,
-                bounces=settings.bounces or scenes.bounce_cap(scene),
+                bounces=scenes.bounce_cap(scene, settings.bounces),
                 motion=settings.motion,
                 at=settings.at,
             )
@@ -136,7 +136,8 @@ class Comparison:
         if not settings.reference:
             job = jobs[-1]
             own = probes["reference"]["knobs"]
-            cap = job.bounces or max((cap for cap in caps.values() if cap is not None), default=None)
+            own_caps = [cap for cap in caps.values() if cap is not None]
+            cap = max(own_caps, default=None) if job.bounces is None else job.bounces
             jitter = next((value for value in filters.values() if value is not None), None)
             differs = jitter is not None and largest_knob(own, "jitter") not in (None, jitter)
             knobs = (("jitter", jitter),) if differs else ()

@@ -22,6 +22,13 @@ def positive(text):
     return int(text)
 
 
+def bounces(text):
+    """A bounce cap: a whole number from 0 on, which is direct light alone."""
+    if not text.isdigit():
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least 0")
+    return int(text)
+
+
 def frame_numbers(text):
     """`K,K,...`, ascending, counted from 1."""
     parts = text.split(",")

@@ -140,6 +140,16 @@ class _Kept:
     warm: bool = False
 
 
+#: Bytes of host memory that a renderer's compiled kernels take, about: on lavapipe (Mesa 25) eight renderers of
+#: graphs/restir_pg.py at 96x54 took 212 MB each, of which memory() knew 59.
+KERNELS = 150 << 20
+
+
+def size_of(renderer):
+    """Bytes that a renderer takes, about: its resources, its scene and its kernels."""
+    return sum(renderer.memory().values()) + KERNELS
+
+
 class Renderers:
     """Renderers kept from run to run: to make one takes as long as a dozen small frames.
 
@@ -149,9 +159,9 @@ class Renderers:
     memory of the history is first touched in the second frame.
     """
 
-    def __init__(self, limit=2 << 30):
-        """limit: bytes on the device, scenes included, of all but the renderer in use."""
-        self._limit = limit
+    def __init__(self, limit=None):
+        """limit: bytes of all but the renderer in use, scenes and kernels included; a quarter of the machine's."""
+        self._limit = limit or os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 4
         self._kept = {}  # key of all that runs of a renderer share -> _Kept, the last used last
 
     def begin(self, job):
@@ -179,7 +189,7 @@ class Renderers:
         kept = self._kept.pop(key, None)
         if kept is None:
             renderer = make_renderer(job)
-            self._make_room(sum(renderer.memory().values()))
+            self._make_room(size_of(renderer))
             kept = _Kept(renderer, renderer.camera)
         self._kept[key] = kept
         return kept
@@ -190,7 +200,7 @@ class Renderers:
 
     def _make_room(self, needed):
         """Drop those that were not used for longest until there is room for so many bytes."""
-        sizes = {key: sum(kept.renderer.memory().values()) for key, kept in self._kept.items()}
+        sizes = {key: size_of(kept.renderer) for key, kept in self._kept.items()}
         for key in list(self._kept):
             if sum(sizes.values()) + needed > self._limit:
                 del self._kept[key], sizes[key]

@@ -147,7 +147,7 @@ def _provenance(settings, comparison):
         ),
         *_motion(settings),
         ("seeds", ", ".join(map(str, comparison.seeds()))),
-        ("bounce cap", str(settings.bounces or "the scene's or the graph's own")),
+        ("bounce cap", "the scene's or the graph's own" if settings.bounces is None else str(settings.bounces)),
     ]
     rows += [
         (

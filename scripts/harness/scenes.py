@@ -41,8 +41,10 @@ def _extras(document):
     return extras if isinstance(extras, dict) else {}
 
 
-def bounce_cap(file):
-    """The cap that the scene's author asks for (asset extras "restirpg"), or None."""
+def bounce_cap(file, wanted=None):
+    """`wanted`, or else the cap that the scene's author asks for (asset extras "restirpg"), or None."""
+    if wanted is not None:
+        return wanted
     bounces = _extras(_document(file)).get("bounces")
     return bounces if isinstance(bounces, int) else None
 

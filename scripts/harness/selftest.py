@@ -83,7 +83,7 @@ def _base_job(options):
         output=method.output,
         device=method.device,
         backend=method.backend,
-        bounces=options.bounces or scenes.bounce_cap(scene),
+        bounces=scenes.bounce_cap(scene, options.bounces),
     )
 
 

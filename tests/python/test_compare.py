@@ -3,6 +3,7 @@ mistakes."""
 
 import csv
 import importlib.util
+import json
 import os
 import signal
 import subprocess
@@ -52,6 +53,19 @@ def test_errors_are_those_of_the_known_noise(finished):
         assert (
             abs(float(row["relmse_frame"]) - expected) < 5 * float(row["relmse_frame_se"]) + 0.002 * expected
         )
+
+
+def test_a_bounce_cap_of_none_is_a_cap(tmp_path):
+    """0 is direct light alone, for methods and reference; it is not "the graph's own", which is 4."""
+    run = compare(tmp_path, "plain.json", size="16x16", frames=2, seeds=2, bounces=0)
+    assert run.returncode == 0, run.stderr
+    caps = set()
+    for path in (tmp_path / "out/cache").glob("*.npz"):
+        with np.load(path) as file:
+            knobs = json.loads(str(file["meta"])).get("knobs")
+        caps |= {knobs["paths"]["bounces"]} if knobs else set()
+    assert caps == {0}
+    assert "bounce cap</th><td>0" in (tmp_path / "out/report.html").read_text().replace("\n", "")
 
 
 def test_equal_time_compares_at_the_time_of_the_fastest(finished):

@@ -21,7 +21,9 @@ from webdriver import Browser
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import reproduce as program  # noqa: E402
-from harness.paper import ablation, cost, errors, experiments, figure_4, motion, page, pictures, table_1  # noqa: E402
+from harness.paper import (  # noqa: E402
+    ablation, cost, errors, experiments, figure_4, motion, page, pictures, resolution, table_1,
+)  # fmt: skip
 from harness.paper.comparisons import CANDIDATES  # noqa: E402
 from harness.paper.paper import METHODS, OURS, QUICK, SHOWN, UNGUIDED, Results  # noqa: E402
 
@@ -71,10 +73,10 @@ def finished(folder):
 def test_every_experiment_leaves_its_figure_and_its_numbers(everything):
     text = (everything / "report.html").read_text()
     titles = [f"Figure {number}" for number in (1, 2, 4, 5, 6, 7, 8)]
-    for title in [*titles, "Table 1", "Cost", "Motion", "Ablations"]:
+    for title in [*titles, "Table 1", "Cost", "Motion", "Ablations", "Resolution"]:
         assert f"<h2>{title}" in text
     names = [f"figure_{number}" for number in (1, 2, 4, 5, 6, 7, 8)]
-    for name in [*names, "figure_7_errors", "cost", "motion", "motion_errors", "ablation"]:
+    for name in [*names, "figure_7_errors", "cost", "motion", "motion_errors", "ablation", "resolution"]:
         assert (everything / f"{name}.png").stat().st_size > 10_000
         assert f'id="{name}"' in text
     for method in METHODS:
@@ -287,6 +289,22 @@ def test_variants_of_an_ablation_have_their_own_rows():
         assert row[3].mean == pytest.approx(1.05 * number)
         assert label in (ablation.DEFAULT, "without guiding") or label == f"{row[1]}: {row[2]}"
         assert number == 1 or row[4].mean == pytest.approx(number - 1)
+
+
+def test_a_resolution_s_pictures_are_halves_and_doubles_and_its_own_runs_are_figure_5_s():
+    found = resolution.studies(MadeUpPaper())
+    assert list(found) == [(48, 27), (96, 54), (192, 108)]
+    assert found[96, 54].changes == () and found[48, 27].changes == (("size", (48, 27)),)
+
+
+def test_rows_of_a_resolution_are_tested_against_no_guiding():
+    values = {one.label: np.array([1.0, 1.1]) * number for number, one in enumerate(resolution.COMPARED, 1)}
+    per_cell = [page.Estimate(7), page.Estimate(2)]
+    rows, groups = resolution.rows_of("s", (48, 27), values, per_cell)
+    assert [row[2] for row in rows] == list(values) and rows[0][5] == "baseline" and len(groups) == 3
+    for number, row in enumerate(rows, 1):
+        assert row[1] == "48x27" and row[3].mean == pytest.approx(1.05 * number) and row[-2:] == per_cell
+        assert number == 1 or (row[4].mean == pytest.approx(number - 1) and row[5] is None)
 
 
 def test_crops_are_where_methods_differ_most():

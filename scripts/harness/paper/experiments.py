@@ -1,9 +1,10 @@
 """What scripts/reproduce.py can make: each experiment's name, what it shows, and what it renders."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from harness.paper import ablation, comparisons, cost, figure_2, figure_4, motion, table_1
+from harness.paper import ablation, comparisons, cost, figure_2, figure_4, motion, resolution, table_1
 
 #: Microseconds a pixel and frame on two cores (lavapipe, benchmarks/results/restir_pt_cost.md), for --list
 #: alone.
@@ -20,17 +21,32 @@ class Experiment:
     shows: str
     run: Callable  # of a Paper; returns a page.Section
     studies: Callable = lambda paper: ()  # of a Paper; its Studies
-    calls: Callable = lambda paper: (0, 0)  # of a Paper: how many Calls, and how many frames in all
+    calls: Callable = lambda paper: {}  # of a Paper: {what tells a Call from others: its pixels in all}
 
 
 def _directions(paper):
-    scenes, kinds = len(paper.scenes("door_ajar_diffuse")), len(figure_4.KINDS)
-    return scenes * (kinds + 1), scenes * kinds * paper.size.seeds * paper.size.frames
+    size = paper.size
+    pixels = math.prod(size.size) * size.seeds * size.frames
+    kinds = {"truth": 0} | dict.fromkeys(figure_4.KINDS, pixels)
+    return {
+        ("directions", scene, kind): number
+        for scene in paper.scenes("door_ajar_diffuse")
+        for kind, number in kinds.items()
+    }
 
 
-def _cells(paper):
-    scenes = len(paper.scenes())
-    return scenes, 12 * scenes * paper.size.seeds
+def _cells(paper, scenes, sizes):
+    return {
+        ("cells", scene, size): 12 * paper.size.seeds * math.prod(size) for scene in scenes for size in sizes
+    }
+
+
+def _cells_of_all(paper):
+    return _cells(paper, paper.scenes(), [tuple(paper.size.size)])
+
+
+def _cells_by_size(paper):
+    return _cells(paper, resolution.scenes_of(paper), resolution.sizes_of(paper))
 
 
 EXPERIMENTS = (
@@ -59,10 +75,10 @@ EXPERIMENTS = (
         "figure 8", "the four methods on glossy surfaces",
         comparisons.figure_8, lambda paper: (comparisons.study_8(paper),),
     ),
-    Experiment("table 1", "samples a cell and frame, ReSTIR against raw", table_1.run, calls=_cells),
+    Experiment("table 1", "samples a cell and frame, ReSTIR against raw", table_1.run, calls=_cells_of_all),
     Experiment(
         "cost", "time of passes, the guide's overhead, memory (figure 5's runs)",
-        cost.run, lambda paper: (comparisons.study_5(paper),), _cells,
+        cost.run, lambda paper: (comparisons.study_5(paper),), _cells_of_all,
     ),
     Experiment(
         "motion", "swinging door, and a camera on a circle, as figure 7",
@@ -72,6 +88,10 @@ EXPERIMENTS = (
         "ablation", "alpha, lobes, cell size, final edges, training data",
         ablation.run, lambda paper: tuple(ablation.study(paper, shown) for shown in ablation.SHOWN),
     ),
+    Experiment(
+        "resolution", "error and samples a cell from small pictures to large ones",
+        resolution.run, lambda paper: tuple(resolution.studies(paper).values()), _cells_by_size,
+    ),
 )  # fmt: skip
 BY_NAME = {experiment.name: experiment for experiment in EXPERIMENTS}
 
@@ -80,7 +100,6 @@ def jobs_and_minutes(paper, experiments):
     """How many jobs the experiments are together, shared ones once, and about how many minutes on two
     cores."""
     size = paper.size
-    pixels = size.size[0] * size.size[1]
     studies = dict.fromkeys(study for experiment in experiments for study in experiment.studies(paper))
     runs = {  # a method is what it renders, whatever a figure calls it
         (replace(method, label=""), scene, study.changes)
@@ -88,22 +107,25 @@ def jobs_and_minutes(paper, experiments):
         for method in study.methods
         for scene in study.scenes
     }
-    references = {
-        (scene, study.changes): (
-            study.views,
-            dict(study.changes).get("reference_frames", size.reference_frames),
-        )
-        for study in studies
-        for scene in study.scenes
-    }
-    counts = dict.fromkeys((experiment.calls, experiment.calls(paper)) for experiment in experiments)
-    calls, call_frames = (sum(values[at] for _, values in counts) for at in (0, 1))
-    seconds = START_COST * (len(runs) + len(references) + calls)
-    seconds += 1e-6 * pixels * REUSE_COST * (len(runs) * size.seeds * size.frames + call_frames)
-    seconds += 1e-6 * pixels * PATH_COST * sum(views * frames for views, frames in references.values())
+    references = {(scene, study.changes): study.views for study in studies for scene in study.scenes}
+    calls = {name: number for experiment in experiments for name, number in experiment.calls(paper).items()}
+
+    def of(changes, name):
+        return dict(changes).get(name, getattr(size, name))
+
+    def pixels(changes):
+        return math.prod(of(changes, "size"))
+
+    seconds = START_COST * (len(runs) + len(references) + len(calls))
+    reused = sum(pixels(changes) for _, _, changes in runs) * size.seeds * size.frames
+    seconds += 1e-6 * REUSE_COST * (reused + sum(calls.values()))
+    seconds += 1e-6 * PATH_COST * sum(
+        pixels(changes) * views * of(changes, "reference_frames")
+        for (_, changes), views in references.items()
+    )
     jobs = (
         len(runs) * size.seeds
-        + calls
-        + size.reference_batches * sum(views for views, _ in references.values())
+        + len(calls)
+        + size.reference_batches * sum(references.values())
     )
     return jobs, seconds / 60

@@ -38,6 +38,7 @@ class Size:
     scenes: tuple
     ablation_scenes: int  # the first of the scenes
     points: int = 5  # of figure 4
+    scales: tuple = (0.5, 1, 2)  # of the resolution study's pictures
     reference_batches: int = 16
 
     @property
@@ -49,7 +50,7 @@ class Size:
 SCENES = ("door_ajar", "bidirectional_room", "living_room", "temple", "glass_pavilion")
 QUICK = Size("quick", (96, 54), 4, 32, 2048, SCENES[:3], 1, points=3)
 DEFAULT = Size("default", (160, 90), 8, 32, 4096, SCENES, 2)
-FULL = Size("full", (480, 270), 4, 64, 4096, SCENES, 1)
+FULL = Size("full", (480, 270), 4, 64, 4096, SCENES, 1, scales=(1 / 6, 1 / 3, 2 / 3, 4 / 3))
 
 
 @dataclass(frozen=True)
@@ -132,14 +133,14 @@ class Paper:
         """A Call of `function` on a scene, to be given to `answers`.
 
         Besides `settings` the function is given the graph's `description`, the picture's `size` and the
-        scene's cap of `bounces`.
+        scene's cap of `bounces`, unless they are among the settings.
         """
         file = self.file(scene)
-        settings |= {
+        settings = {
             "description": json.dumps(render.describe_graph(graph), sort_keys=True),
             "size": self.size.size,
             "bounces": scenes.bounce_cap(file),
-        }
+        } | settings
         content = scenes.content_hash(file)
         label = f"{Path(file).stem}, {function.__module__.rpartition('.')[2]}"
         return Call(function, file, content, tuple(sorted(settings.items())), self.code, label)

@@ -14,8 +14,8 @@ PAPER = (
 )
 
 
-def cell_call(paper, scene):
-    """What is counted in a scene, for all seeds."""
+def cell_call(paper, scene, **settings):
+    """What is counted in a scene, for all seeds; `settings` as a `size` of its own."""
     return paper.call(
         cell_counts.measure,
         scene,
@@ -23,6 +23,7 @@ def cell_call(paper, scene):
         seeds=[seed_of("cells", number) for number in range(paper.size.seeds)],
         first=min(8, paper.size.frames),
         last=min(12, paper.size.frames),
+        **settings,
     )
 
 
