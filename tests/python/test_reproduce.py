@@ -151,7 +151,7 @@ def made_up(**frame_mape):
                 "mape": np.full(4, 10 * mape * (1 + 0.1 * seed)),
                 "frame": TRUTH * (1 + mape * np.random.default_rng(seed).normal(size=TRUTH.shape)),
                 "meta": {
-                    "passes": {"paths": 100 * mape, "splat": 2 * mape, "fit": mape},
+                    "passes": {"paths": 100 * mape, "reuse": 10 * mape, "splat": 2 * mape, "fit": mape},
                     "memory": {"paths.candidates": 5760, "fit.guide": 1 << 20, "scene": 99},
                 },
             }
@@ -261,11 +261,15 @@ def test_recovery_counts_frames_from_the_jump():
     assert list(motion.frames_to_recover(values)) == [3, 4, 1]
 
 
-def test_overhead_is_splat_fit_and_what_tracing_takes_more():
+def test_overhead_is_splat_fit_and_what_reuse_and_tracing_take_more():
     parts = cost.overhead(cost.pass_times(made_up(**KNOWN).runs[0]))
     own, without = KNOWN[OURS.label], KNOWN[UNGUIDED.label]
     assert {name: values.mean() for name, values in parts.items()} == pytest.approx(
-        {"splat": 2 * own, "fit": own, "guided sampling": 100 * (own - without)}
+        {
+            "collect and splat": 10 * (own - without) + 2 * own,
+            "fit": own,
+            "guided sampling": 100 * (own - without),
+        }
     )
     rows = cost.shares_table(made_up(**KNOWN)).rows
     assert sum(row[3].mean for row in rows[:3]) == pytest.approx(1)
