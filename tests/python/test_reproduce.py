@@ -275,6 +275,13 @@ def test_overhead_is_splat_fit_and_what_reuse_and_tracing_take_more():
     assert sum(row[3].mean for row in rows[:3]) == pytest.approx(1)
 
 
+def test_memory_of_cells_is_their_number_times_their_bytes():
+    """MadeUpPaper's cells: one that guides, of 160 and 152 bytes."""
+    table = cost.guide_table(MadeUpPaper(), made_up(**KNOWN))
+    row = dict(zip(table.header, table.rows[0]))
+    assert row["cells that guide"].mean == 1 and row["MiB of these cells"].mean == pytest.approx(312 / 2**20)
+
+
 def test_table_1_keeps_restir_and_raw_apart():
     averages = np.array([[[[6.0, 5, 4], [3, 2, 1]]]] * 2)
     row = table_1.row_of("scene", averages)

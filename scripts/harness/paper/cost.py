@@ -125,6 +125,7 @@ def guide_table(paper, results):
             continue
         cells = Estimate(*map(float, st.mean_se(answer["guiding"].mean(1))))
         size = answer["meta"]["bytes"]
+        mib = (size["guide"] + size["statistics"]) / 2**20
         rows.append(
             [
                 name_of(scene),
@@ -132,7 +133,7 @@ def guide_table(paper, results):
                 f"{size['vertex'] * 1920 * 1080 / 2**20:.1f}",
                 cells,
                 f"{size['guide']} + {size['statistics']}",
-                Estimate(cells.mean, cells.se, (size["guide"] + size["statistics"]) / 2**20),
+                Estimate(mib * cells.mean, mib * cells.se),
             ]
         )
     rows.append(["paper, Veach Ajar at 1920x1080", "52", "102.8", "34,000", "152", "5"])
