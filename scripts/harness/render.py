@@ -140,9 +140,11 @@ class _Kept:
     warm: bool = False
 
 
-#: Bytes of host memory that a renderer's compiled kernels take, about: on lavapipe (Mesa 25) eight renderers of
-#: graphs/restir_pg.py at 96x54 took 212 MB each, of which memory() knew 59.
+#: Bytes of host memory that a renderer's compiled kernels take, about: on lavapipe (Mesa 25) eight renderers
+#: of graphs/restir_pg.py at 96x54 took 212 MB each, of which memory() knew 59.
 KERNELS = 150 << 20
+#: Bytes of the renderers that a worker keeps, at most.
+LIMIT = 4 << 30
 
 
 def size_of(renderer):
@@ -160,8 +162,14 @@ class Renderers:
     """
 
     def __init__(self, limit=None):
-        """limit: bytes of all but the renderer in use, scenes and kernels included; a quarter of the machine's."""
-        self._limit = limit or os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 4
+        """limit: bytes of all but the renderer in use, scenes and kernels included.
+
+        By default LIMIT, or a quarter of the machine's memory where that is less; of several workers each has
+        its own.
+        """
+        if limit is None:
+            limit = min(LIMIT, os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 4)
+        self._limit = limit
         self._kept = {}  # key of all that runs of a renderer share -> _Kept, the last used last
 
     def begin(self, job):

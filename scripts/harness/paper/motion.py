@@ -172,8 +172,8 @@ def last_frame(runs):
 def figure_7(paper):
     """The moving light."""
     text = (
-        "A glowing box wanders about the back room, in one loop a run; each measured frame is compared with "
-        "a reference of its own time. In door_ajar_light_cut the box jumps in the middle of the run. ± one "
+        f"A glowing box wanders about the back room, played at {FPS:g} frames a second; each measured frame is "
+        "compared with a reference of its own time. In door_ajar_light_cut the box jumps in the middle of the run. ± one "
         "standard error over seeds, ReSTIR PT is biased while things move "
         "(benchmarks/results/restir_pt.md)."
     )
@@ -183,7 +183,7 @@ def figure_7(paper):
 def run(paper):
     """The other sequences."""
     text = (
-        "A door that swings, in one loop a run, and a camera that goes round a circle of "
+        f"A door that swings, played at {FPS:g} frames a second, and a camera that goes round a circle of "
         f"{100 * CIRCLE:g} cm in its own plane, {TURN} frames a turn."
     )
     return section(paper, "motion", "Motion", text, studies_motion(paper))
