@@ -47,7 +47,9 @@ def parse(arguments):
     )
     for name, what in (("frames", "frames of a run"), ("seeds", "independent runs of each method")):
         add(f"--{name}", type=program.positive, metavar="N", help=what)
-    add("--reference-frames", type=program.positive, metavar="N", help="paths a pixel of the references")
+    add("--reference-frames", type=program.positive, metavar="N", help="frames of the references in all")
+    add("--reference-batches", type=program.positive, metavar="R", help="independent parts of each (16)")
+    add("--reference-graph", metavar="GRAPH", help="what renders the references (graphs/path_tracer.py)")
     program.add_runner(parser, "out/reproduce")
     return parser.parse_args(arguments)
 
@@ -83,7 +85,8 @@ def chosen(words):
 
 def size_from(options):
     """The preset with what the command line changes."""
-    changes = {name: getattr(options, name) for name in ("size", "frames", "seeds", "reference_frames")}
+    names = ("size", "frames", "seeds", "reference_frames", "reference_batches", "reference_graph")
+    changes = {name: getattr(options, name) for name in names}
     return replace(options.preset, **{name: value for name, value in changes.items() if value})
 
 

@@ -228,6 +228,9 @@ def test_each_method_has_its_own_errors():
         assert row["MAPE, mean of all frames"].mean == pytest.approx(10.5 * own)
         assert row["MAPE at equal time"].mean == pytest.approx(100 * own)
         assert row["GPU ms/frame"].mean == pytest.approx(1e3 * own)
+        if row["method"] != OURS.label:
+            to_ours = row[f"change from it to {OURS.label}"].mean
+            assert to_ours == pytest.approx(KNOWN[OURS.label] / own - 1)
         if row["method"] != UNGUIDED.label:
             assert row["change, one frame"].mean == pytest.approx(own / KNOWN[UNGUIDED.label] - 1)
 
@@ -308,14 +311,16 @@ def test_a_resolution_s_pictures_are_halves_and_doubles_and_its_own_runs_are_fig
     assert found[96, 54].changes == () and found[48, 27].changes == (("size", (48, 27)),)
 
 
-def test_rows_of_a_resolution_are_tested_against_no_guiding():
+def test_a_resolution_s_rows_are_tested_against_no_guiding():
     values = {one.label: np.array([1.0, 1.1]) * number for number, one in enumerate(resolution.COMPARED, 1)}
     per_cell = [page.Estimate(7), page.Estimate(2)]
-    rows, groups = resolution.rows_of("s", (48, 27), values, per_cell)
-    assert [row[2] for row in rows] == list(values) and rows[0][5] == "baseline" and len(groups) == 3
+    rows = resolution.table_of({("s", (48, 27)): values}, {("s", (48, 27)): per_cell}).rows
+    assert [row[2] for row in rows] == list(values) and rows[0][4:6] == ["", "baseline"]
+    ours = list(values).index(OURS.label) + 1
     for number, row in enumerate(rows, 1):
         assert row[1] == "48x27" and row[3].mean == pytest.approx(1.05 * number) and row[-2:] == per_cell
-        assert number == 1 or (row[4].mean == pytest.approx(number - 1) and row[5] is None)
+        assert number == 1 or (row[4].mean == pytest.approx(number - 1) and "p = " in row[5])
+        assert number == ours or row[6].mean == pytest.approx(ours / number - 1)
 
 
 def test_crops_are_where_methods_differ_most():

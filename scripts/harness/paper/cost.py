@@ -5,7 +5,7 @@ import numpy as np
 from harness import plots
 from harness import statistics as st
 from harness.paper.comparisons import study_5
-from harness.paper.page import Estimate, Picture, Section, Table, percent
+from harness.paper.page import Estimate, Picture, Section, Table, estimate, percent
 from harness.paper.paper import OURS, SHOWN, UNGUIDED, name_of
 from harness.paper.table_1 import cell_call
 
@@ -40,8 +40,8 @@ def times_table(results):
         times = pass_times(runs)
         for label in (method.label for method in SHOWN if method.label in times):
             total = sum(times[label].values())
-            parts = [Estimate(*map(float, st.mean_se(times[label][name]))) for name in PASSES]
-            rows.append([name_of(runs.scene), label, Estimate(*map(float, st.mean_se(total))), *parts])
+            parts = [estimate(times[label][name]) for name in PASSES]
+            rows.append([name_of(runs.scene), label, estimate(total), *parts])
     header = ("scene", "method", "all passes", *PASSES)
     return Table("cost_passes", "GPU milliseconds a frame, by the device's timestamps", header, rows)
 
@@ -63,7 +63,7 @@ def shares_table(results):
                 [
                     name_of(runs.scene),
                     part,
-                    Estimate(*map(float, st.mean_se(values))),
+                    estimate(values),
                     percent(share, error),
                     PAPER_SHARES[part],
                 ]
@@ -73,7 +73,7 @@ def shares_table(results):
             [
                 name_of(runs.scene),
                 "all, of the frame without guiding",
-                Estimate(*map(float, st.mean_se(total))),
+                estimate(total),
                 percent(*st.mean_se(total / frame)),
                 "",
             ]
@@ -123,7 +123,7 @@ def guide_table(paper, results):
     for scene, answer in zip(scenes, paper.answers([cell_call(paper, scene) for scene in scenes])):
         if not answer:
             continue
-        cells = Estimate(*map(float, st.mean_se(answer["guiding"].mean(1))))
+        cells = estimate(answer["guiding"].mean(1))
         size = answer["meta"]["bytes"]
         mib = (size["guide"] + size["statistics"]) / 2**20
         rows.append(

@@ -4,7 +4,7 @@ all."""
 import numpy as np
 
 from harness import statistics as st
-from harness.paper.page import Estimate, Table, percent
+from harness.paper.page import Table, estimate, percent
 from harness.paper.paper import name_of
 
 SETTLED = 0.5  # of a run's frames, the last ones, count as single frames: reuse and guide have settled
@@ -46,11 +46,14 @@ def verdicts(groups):
 def table(name, title, results, methods):
     """Scenes and methods by rows: MAPE of single frames, of the mean of all, and at equal time.
 
-    Changes are against the first method of each scene's runs. Words are about single frames.
+    Changes are against the first method of each scene's runs, and from each method to the last. Words are
+    about single frames.
     """
+    last = methods[-1].label
     header = (
         "scene", "method", "MAPE, one frame", "change, one frame", "tested, one frame",
-        "MAPE, mean of all frames", "change, mean", "MAPE at equal time", "GPU ms/frame",
+        f"change from it to {last}", "MAPE, mean of all frames", "change, mean",
+        "MAPE at equal time", "GPU ms/frame",
     )  # fmt: skip
     rows, groups = [], []
     for runs, findings in zip(results.runs, results.findings):
@@ -65,6 +68,7 @@ def table(name, title, results, methods):
             else:
                 groups.append((frame[label], frame[first]))
                 row += [change(frame[label], frame[first]), None]
+            row.append("" if label == last else change(frame[last], frame[label]))
             row += [
                 percent(*st.mean_se(mean[label])),
                 "" if label == first else change(mean[label], mean[first]),
@@ -79,4 +83,4 @@ def table(name, title, results, methods):
 
 def milliseconds(method):
     """GPU time of a frame, over seeds."""
-    return Estimate(*(float(value) for value in st.mean_se(method.gpu_ms[:, -1] / method.frames[-1])))
+    return estimate(method.gpu_ms[:, -1] / method.frames[-1])

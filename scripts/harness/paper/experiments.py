@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from harness.comparison import PATH_TRACER
 from harness.paper import ablation, comparisons, cost, figure_2, figure_4, motion, resolution, table_1
 
 #: Microseconds a pixel and frame on two cores (lavapipe, benchmarks/results/restir_pt_cost.md), for --list
@@ -119,7 +120,8 @@ def jobs_and_minutes(paper, experiments):
     seconds = START_COST * (len(runs) + len(references) + len(calls))
     reused = sum(pixels(changes) for _, _, changes in runs) * size.seeds * size.frames
     seconds += 1e-6 * REUSE_COST * (reused + sum(calls.values()))
-    seconds += 1e-6 * PATH_COST * sum(
+    rate = PATH_COST if size.reference_graph == PATH_TRACER else REUSE_COST
+    seconds += 1e-6 * rate * sum(
         pixels(changes) * views * of(changes, "reference_frames")
         for (_, changes), views in references.items()
     )

@@ -6,7 +6,7 @@ import numpy as np
 from harness import plots
 from harness import statistics as st
 from harness.paper import flatland
-from harness.paper.page import Estimate, Picture, Section, Table, percent
+from harness.paper.page import Picture, Section, Table, estimate, percent
 
 from matplotlib.figure import Figure  # isort: skip
 
@@ -122,7 +122,7 @@ def run(paper):
         [
             kind,
             *(percent(*st.mean_se(values[:, n])) for n in (0, 1)),
-            Estimate(*map(float, st.mean_se(values[:, 2]))),
+            estimate(values[:, 2]),
         ]
         for kind, values in measure().items()
     ]

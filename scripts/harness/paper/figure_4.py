@@ -8,9 +8,8 @@ import json
 
 import numpy as np
 
-from harness import statistics as st
 from harness.jobs import seed_of
-from harness.paper.page import Estimate, Picture, Section, Table
+from harness.paper.page import Picture, Section, Table, estimate
 from harness.paper.paper import OURS, name_of
 
 #: Places in the picture, as shares of width and height: walls, floor and tables of the embedded
@@ -86,7 +85,7 @@ def rows_of(scene, truth, answers):
         for k in [k for k in range(len(frames)) if k % 2 == 0 or k == len(frames) - 1]:
             row = [scene, f"{at + 1}", f"{frames[k]}"]
             for answer in answers:
-                row.append(Estimate(*map(float, st.mean_se(answer["counts"][:, at, k]))))
+                row.append(estimate(answer["counts"][:, at, k]))
                 scores = np.array(
                     [
                         guide_maps.score(histogram, effective, product, random)
@@ -99,7 +98,7 @@ def rows_of(scene, truth, answers):
                 if not len(scores):
                     row += ["no sample", ""]
                     continue
-                row += [Estimate(*map(float, st.mean_se(scores[:, n]))) for n in (0, 1)]
+                row += [estimate(scores[:, n]) for n in (0, 1)]
             rows.append(row)
     return rows
 

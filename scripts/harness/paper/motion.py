@@ -8,7 +8,7 @@ from harness import statistics as st
 from harness.motion import TURN, Motion
 from harness.paper import errors, pictures
 from harness.paper.comparisons import row_of
-from harness.paper.page import Estimate, Picture, Section, Table, percent
+from harness.paper.page import Picture, Section, Table, estimate, percent
 from harness.paper.paper import METHODS, SHOWN, Study, name_of
 
 from matplotlib.figure import Figure  # isort: skip
@@ -108,7 +108,7 @@ def recovery_table(name, runs):
     """Frames after the jump that each method needs."""
     values = by_frame(runs)
     rows = [
-        [label, Estimate(*map(float, st.mean_se(frames_to_recover(values[label]))))]
+        [label, estimate(frames_to_recover(values[label]))]
         + [percent(*st.mean_se(values[label][:, at])) for at in (0, 1, -1)]
         for label in (method.label for method in SHOWN if method.label in values)
     ]

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from harness import report, tables
+from harness import statistics as st
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,11 @@ class Estimate:
 
     def __str__(self):
         return tables.with_error(float(self.mean), float(self.se), self.scale, self.unit)
+
+
+def estimate(values):
+    """The mean of independent runs."""
+    return Estimate(*map(float, st.mean_se(values)))
 
 
 def percent(mean, se=math.nan):
@@ -115,7 +121,11 @@ def write(sections, paper, file, program):
     size = paper.size
     provenance = report.provenance(program, paper.code, paper.devices.values()) + [
         ("size, frames, seeds", f"{size.size[0]}x{size.size[1]}, {size.frames}, {size.seeds} ({size.name})"),
-        ("reference", f"{size.reference_frames} paths a pixel in {size.reference_batches} batches"),
+        (
+            "reference",
+            f"{size.reference_frames} frames of {Path(size.reference_graph).name} in "
+            f"{size.reference_batches} batches",
+        ),
     ]
     text = report.template("paper.html.j2").render(
         title="ReSTIR PG: the paper's evaluation",

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from harness import analysis, render, report, scenes, tables
-from harness.comparison import Comparison, Settings
+from harness.comparison import PATH_TRACER, Comparison, Settings
 from harness.jobs import Call, Method
 
 GRAPHS = os.path.relpath(render.ROOT / "graphs")  # from any folder
@@ -34,16 +34,17 @@ class Size:
     size: tuple  # width, height
     seeds: int
     frames: int
-    reference_frames: int  # of the path tracer, over all batches
+    reference_frames: int  # over all batches
     scenes: tuple
     ablation_scenes: int  # the first of the scenes
     points: int = 5  # of figure 4
     scales: tuple = (0.5, 1, 2)  # of the resolution study's pictures
     reference_batches: int = 16
+    reference_graph: str = PATH_TRACER
 
     @property
     def motion_reference_frames(self):
-        """Of the path tracer, for each frame of a sequence that is compared."""
+        """Of the reference's graph, for each frame of a sequence that is compared."""
         return max(self.reference_frames // 4, self.reference_batches)
 
 
@@ -110,6 +111,7 @@ class Paper:
             seeds=size.seeds,
             reference_frames=size.reference_frames,
             reference_batches=size.reference_batches,
+            reference_graph=size.reference_graph,
         )
         return replace(settings, **dict(study.changes))
 

@@ -9,7 +9,7 @@ import numpy as np
 from harness import plots  # noqa: F401  (chooses matplotlib's backend and style)
 from harness import statistics as st
 from harness.paper import errors, table_1
-from harness.paper.page import Estimate, Picture, Section, Table, percent
+from harness.paper.page import Picture, Section, Table, estimate, percent
 from harness.paper.paper import OURS, RUPPERT, UNGUIDED, Study, method, name_of
 
 from matplotlib.figure import Figure  # isort: skip
@@ -50,26 +50,25 @@ def counts_of(paper):
     for (scene, size), answer in zip(wanted, answers):
         if answer:
             own = answer["averages"].mean(1)[:, :, 0]
-            found[name_of(scene), size] = [Estimate(*map(float, st.mean_se(own[:, at]))) for at in (0, 1)]
+            found[name_of(scene), size] = [estimate(own[:, at]) for at in (0, 1)]
     return found
 
 
 def drawing(changes, counts):
     """Left the change of MAPE against no guiding, right the samples a cell, against the picture's height.
 
-    changes: {(scene, label): [(height, Estimate)]}; counts: {(scene, kind): [(height, Estimate)]}.
+    Both are {(scene, label): {height: Estimate}}.
     """
     figure = Figure(figsize=(11, 3.6))
+    heights = sorted({height for series in (changes, counts) for points in series.values() for height in points})
     for axis, series, scale in zip(figure.subplots(1, 2), (changes, counts), (100, 1)):
         for (scene, label), points in series.items():
-            heights = [height for height, _ in points]
-            values = [scale * value.mean for _, value in points]
-            bars = np.nan_to_num([scale * value.se for _, value in points])
-            axis.errorbar(
-                heights, values, bars, marker="o", markersize=4, capsize=2, label=f"{scene}, {label}"
-            )
+            values = [scale * value.mean for value in points.values()]
+            bars = np.nan_to_num([scale * value.se for value in points.values()])
+            line = f"{scene}, {label}"
+            axis.errorbar(list(points), values, bars, marker="o", markersize=4, capsize=2, label=line)
         axis.set_xscale("log")
-        axis.set_xticks(sorted({height for points in series.values() for height, _ in points}))
+        axis.set_xticks(heights)
         axis.xaxis.set_major_formatter("{x:g}")
         axis.minorticks_off()
         axis.set_xlabel("height, pixels")
@@ -81,47 +80,55 @@ def drawing(changes, counts):
     return figure
 
 
-def rows_of(scene, size, values, per_cell):
-    """Rows of a picture, a method each, and the groups to be tested, in the order of the Nones.
-
-    values: {label: by seed}; per_cell: Estimates.
-    """
+def table_of(found, counts):
+    """found: {(scene, size): {label: MAPE by seed}}; counts: {(scene, size): Estimates}."""
     rows, groups = [], []
-    for label in (one.label for one in COMPARED if one.label in values):
-        row = [scene, f"{size[0]}x{size[1]}", label, percent(*st.mean_se(values[label]))]
-        if label == UNGUIDED.label or UNGUIDED.label not in values:
-            row += ["", "baseline" if label == UNGUIDED.label else "not tested"]
-        else:
-            row += [errors.change(values[label], values[UNGUIDED.label]), None]
-            groups.append((values[label], values[UNGUIDED.label]))
-        rows.append([*row, *per_cell])
-    return rows, groups
+    for (scene, size), values in found.items():
+        base, ours = values[UNGUIDED.label], values[OURS.label]
+        for label, own in values.items():
+            row = [scene, f"{size[0]}x{size[1]}", label, percent(*st.mean_se(own))]
+            if own is base:
+                row += ["", "baseline"]
+            else:
+                groups.append((own, base))
+                row += [errors.change(own, base), None]
+            row.append("" if own is ours else errors.change(ours, own))
+            rows.append(row + counts.get((scene, size), ["", ""]))
+    words = iter(errors.verdicts(groups))
+    return Table(
+        "resolution",
+        "Single frames by resolution, changes paired by seed",
+        (
+            "scene", "size", "method", "MAPE, one frame", "change, one frame", "tested, one frame",
+            f"change from it to {OURS.label}", *(f"{kind}, samples a cell" for kind in COUNTS),
+        ),
+        [[next(words) if cell is None else cell for cell in row] for row in rows],
+    )  # fmt: skip
+
+
+def by_height(estimates):
+    """{(scene, size, label): Estimate} as drawing() wants it."""
+    series = {}
+    for (scene, size, label), value in estimates.items():
+        series.setdefault((scene, label), {})[size[1]] = value
+    return series
 
 
 def run(paper):
     """Render each size, count, and tabulate."""
     counts = counts_of(paper)
-    rows, groups, changes, samples = [], [], {}, {}
-    for size, study in studies(paper).items():
-        for runs in paper.compare(study, f"resolution/{size[0]}x{size[1]}").runs:
-            scene = name_of(runs.scene)
-            per_cell = counts.get((scene, size), ["", ""])
-            more_rows, more_groups = rows_of(scene, size, errors.by_seed(runs, "frame"), per_cell)
-            rows, groups = rows + more_rows, groups + more_groups
-            for row in more_rows:
-                if row[4]:
-                    changes.setdefault((scene, row[2]), []).append((size[1], row[4]))
-            for kind, estimate in zip(COUNTS, per_cell):
-                if estimate:
-                    samples.setdefault((scene, kind), []).append((size[1], estimate))
-    words = iter(errors.verdicts(groups))
-    header = ["scene", "size", "method", "MAPE, one frame", "change, one frame", "tested, one frame"]
-    table = Table(
-        "resolution",
-        "Single frames by resolution, changes paired by seed",
-        (*header, *(f"{kind}, samples a cell" for kind in COUNTS)),
-        [[next(words) if cell is None else cell for cell in row] for row in rows],
-    )
+    found = {
+        (name_of(runs.scene), size): errors.by_seed(runs, "frame")
+        for size, study in studies(paper).items()
+        for runs in paper.compare(study, f"resolution/{size[0]}x{size[1]}").runs
+    }
+    changes = {
+        (*place, label): errors.change(own, values[UNGUIDED.label])
+        for place, values in found.items()
+        for label, own in values.items()
+        if label != UNGUIDED.label
+    }
+    samples = {(*place, kind): value for place, pair in counts.items() for kind, value in zip(COUNTS, pair)}
     text = (
         "Single frames, over the second half of each run. A cell spans the same part of the picture at every "
         "size, so that it gets the more samples the larger the picture is; samples are counted of unguided "
@@ -131,6 +138,6 @@ def run(paper):
     picture = Picture(
         "resolution",
         "Change of MAPE against no guiding, and samples a cell and frame.",
-        drawing(changes, samples),
+        drawing(by_height(changes), by_height(samples)),
     )
-    return Section("Resolution", text, [picture] if changes else [], [table])
+    return Section("Resolution", text, [picture] if changes else [], [table_of(found, counts)])

@@ -2,9 +2,8 @@
 candidates."""
 
 from harness import cell_counts
-from harness import statistics as st
 from harness.jobs import seed_of
-from harness.paper.page import Estimate, Section, Table
+from harness.paper.page import Section, Table, estimate
 from harness.paper.paper import OURS, name_of
 
 AVERAGES = ("own cells", "cells of either", "sample-weighted")
@@ -33,7 +32,7 @@ def row_of(scene, averages):
     row = [scene]
     for at in range(len(AVERAGES)):
         restir, raw = means[:, 0, at], means[:, 1, at]
-        row += [Estimate(*map(float, st.mean_se(values))) for values in (restir, raw, restir / raw)]
+        row += [estimate(values) for values in (restir, raw, restir / raw)]
     return row
 
 
