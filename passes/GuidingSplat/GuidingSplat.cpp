@@ -39,6 +39,8 @@ public:
     {
         if (bool(vertices_) == bool(samples_))
             fail("GuidingSplat: learns from vertices or from samples; wire one of the two");
+        if (vertices_ && parallax_)
+            fail("GuidingSplat: parallax=true needs samples: vertices do not say how far they look");
         const uint64_t pixels = uint64_t(frame.width()) * frame.height();
         const uint64_t bytes = vertices_ ? vertices_->bytes() / sizeof(PathVertex) : samples_->bytes() / sizeof(GuidingSample);
         GuidingSplatParameters parameters{};

@@ -296,3 +296,9 @@ def test_keys_of_the_previous_camera_are_found(tmp_path_factory):
     check_keys_and_counts(last)
     with pytest.raises(AssertionError):
         check_keys_and_counts(replace(last, statistics=(first.statistics[0], *last.statistics[1:])))
+
+
+def test_parallax_asks_for_samples(tmp_path_factory):
+    knobs = {"splat__parallax": True, "fit__parallax": True, "fit__decay": 0.9}
+    with pytest.raises(restirpg.Error, match="parallax=true needs samples"):
+        record(load("cornell_box", tmp_path_factory), graph_of("restir_pg"), count=1, **knobs)
