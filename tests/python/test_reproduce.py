@@ -256,6 +256,22 @@ def test_frames_of_a_sequence_stand_under_their_methods():
             assert cells[method.label].mean == pytest.approx(frame * KNOWN[method.label])
 
 
+def test_means_of_a_sequence_leave_its_first_frame_out():
+    results = made_up(**KNOWN)
+    for label, seeds in results.runs[0].runs.items():
+        for run in seeds:
+            run["mape"] = KNOWN[label] * np.array([9.0, 2, 3, 4])
+    table = motion.means_table("t", "t", [("light", results.runs[0])])
+    rows = [dict(zip(table.header, row)) for row in table.rows]
+    assert [row["method"] for row in rows] == [method.label for method in SHOWN]
+    for row in rows:
+        own = KNOWN[row["method"]]
+        assert row["MAPE, one frame"].mean == pytest.approx(3 * own)
+        if row["method"] != OURS.label:
+            to_ours = row[f"change from it to {OURS.label}"].mean
+            assert to_ours == pytest.approx(KNOWN[OURS.label] / own - 1)
+
+
 def test_recovery_counts_frames_from_the_jump():
     """Measured are the frame before, the jump, and three more; 1.1 times the last error is 0.11."""
     values = np.array(

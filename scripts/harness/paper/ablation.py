@@ -129,7 +129,6 @@ def run(paper):
     for scene, by_kind in values.items():
         more_rows, more_groups = rows_of_scene(scene, by_kind)
         rows, groups = rows + more_rows, groups + more_groups
-    words = iter(errors.verdicts(groups))
     header = ["scene", "what", "value"]
     for shown in SHOWN:
         header += [f"MAPE {shown}", f"change, {shown}", f"tested, {shown}"]
@@ -137,7 +136,7 @@ def run(paper):
         "ablation",
         "Changes against the default, paired by seed",
         tuple(header),
-        [[next(words) if cell is None else cell for cell in row] for row in rows],
+        errors.filled(rows, groups),
     )
     text = (
         f"One knob at a time is changed of {OURS.label}; errors are MAPE of single frames, over the second "

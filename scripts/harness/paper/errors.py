@@ -43,6 +43,32 @@ def verdicts(groups):
     return words
 
 
+def compared(values, first, last):
+    """Cells under the heads of COMPARED for each method, None for the verdict, and what the verdicts are about.
+
+    values: {label: MAPE by seed}. Changes are against the method `first` and from each method to `last`.
+    """
+    cells, groups = {}, []
+    for label, own in values.items():
+        row = [percent(*st.mean_se(own)), "", "baseline"]
+        if label != first:
+            row[1:] = [change(own, values[first]), None]
+            groups.append((own, values[first]))
+        cells[label] = [*row, "" if label == last else change(values[last], own)]
+    return cells, groups
+
+
+def heads(last):
+    """The heads over what compared() gives."""
+    return "MAPE, one frame", "change, one frame", "tested, one frame", f"change from it to {last}"
+
+
+def filled(rows, groups):
+    """The rows with the verdicts where they have None."""
+    words = iter(verdicts(groups))
+    return [[next(words) if cell is None else cell for cell in row] for row in rows]
+
+
 def table(name, title, results, methods):
     """Scenes and methods by rows: MAPE of single frames, of the mean of all, and at equal time.
 
@@ -51,34 +77,23 @@ def table(name, title, results, methods):
     """
     last = methods[-1].label
     header = (
-        "scene", "method", "MAPE, one frame", "change, one frame", "tested, one frame",
-        f"change from it to {last}", "MAPE, mean of all frames", "change, mean",
-        "MAPE at equal time", "GPU ms/frame",
+        "scene", "method", *heads(last), "MAPE, mean of all frames", "change, mean", "MAPE at equal time",
+        "GPU ms/frame",
     )  # fmt: skip
     rows, groups = [], []
     for runs, findings in zip(results.runs, results.findings):
         frame, mean = by_seed(runs, "frame"), by_seed(runs, "mean")
         first = findings.methods[0].label
         found = {method.label: method for method in findings.methods}
-        for label in (method.label for method in methods if method.label in found):
+        shown = [method.label for method in methods if method.label in found]
+        cells, tested = compared({label: frame[label] for label in shown}, first, last)
+        groups += tested
+        for label in shown:
             own = found[label]
-            row = [name_of(runs.scene), label, percent(*st.mean_se(frame[label]))]
-            if label == first:
-                row += ["", "baseline"]
-            else:
-                groups.append((frame[label], frame[first]))
-                row += [change(frame[label], frame[first]), None]
-            row.append("" if label == last else change(frame[last], frame[label]))
-            row += [
-                percent(*st.mean_se(mean[label])),
-                "" if label == first else change(mean[label], mean[first]),
-            ]
-            row += [percent(*own.equal_time["mape"]), milliseconds(own)]
-            rows.append(row)
-    words = iter(verdicts(groups))
-    return Table(
-        name, title, header, [[next(words) if cell is None else cell for cell in row] for row in rows]
-    )
+            row = [name_of(runs.scene), label, *cells[label], percent(*st.mean_se(mean[label]))]
+            row.append("" if label == first else change(mean[label], mean[first]))
+            rows.append([*row, percent(*own.equal_time["mape"]), milliseconds(own)])
+    return Table(name, title, header, filled(rows, groups))
 
 
 def milliseconds(method):

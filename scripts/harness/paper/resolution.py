@@ -84,26 +84,16 @@ def table_of(found, counts):
     """found: {(scene, size): {label: MAPE by seed}}; counts: {(scene, size): Estimates}."""
     rows, groups = [], []
     for (scene, size), values in found.items():
-        base, ours = values[UNGUIDED.label], values[OURS.label]
-        for label, own in values.items():
-            row = [scene, f"{size[0]}x{size[1]}", label, percent(*st.mean_se(own))]
-            if own is base:
-                row += ["", "baseline"]
-            else:
-                groups.append((own, base))
-                row += [errors.change(own, base), None]
-            row.append("" if own is ours else errors.change(ours, own))
-            rows.append(row + counts.get((scene, size), ["", ""]))
-    words = iter(errors.verdicts(groups))
+        cells, tested = errors.compared(values, UNGUIDED.label, OURS.label)
+        groups += tested
+        per_cell = counts.get((scene, size), ["", ""])
+        rows += [[scene, f"{size[0]}x{size[1]}", label, *row, *per_cell] for label, row in cells.items()]
     return Table(
         "resolution",
         "Single frames by resolution, changes paired by seed",
-        (
-            "scene", "size", "method", "MAPE, one frame", "change, one frame", "tested, one frame",
-            f"change from it to {OURS.label}", *(f"{kind}, samples a cell" for kind in COUNTS),
-        ),
-        [[next(words) if cell is None else cell for cell in row] for row in rows],
-    )  # fmt: skip
+        ("scene", "size", "method", *errors.heads(OURS.label), *(f"{kind}, samples a cell" for kind in COUNTS)),
+        errors.filled(rows, groups),
+    )
 
 
 def by_height(estimates):
