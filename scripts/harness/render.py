@@ -54,15 +54,13 @@ def code_version():
         *filter(None, os.environ.get("RESTIRPG_PLUGIN_PATH", "").split(":")),
     ]
     kinds = {".so", ".py", ".glsl", ".comp", ".h"}
-    files = sorted(
-        {
-            file.resolve()
-            for folder in folders
-            for file in Path(folder).rglob("*")
-            if file.suffix in kinds and file.is_file()
-        }
-    )
-    return digest(b"".join(digest(file.read_bytes()).encode() for file in files))
+    files = {
+        file.resolve()
+        for folder in folders
+        for file in Path(folder).rglob("*")
+        if file.suffix in kinds and file.is_file()
+    }
+    return digest("".join(sorted(digest(file.read_bytes()) for file in files)).encode())
 
 
 def describe_graph(file):
