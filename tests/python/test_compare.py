@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from harness_runs import ENVIRONMENT, ROOT, arguments, compare, tables, write_graph
 
-from harness import selftest, statistics
+from harness import render, selftest, statistics
 from harness.jobs import Job, parse_method, seed_of
 
 
@@ -275,3 +275,21 @@ def test_the_self_test_fails_when_equal_methods_differ(tmp_path, monkeypatch):
     honest = statistics._t_test
     monkeypatch.setattr(statistics, "_t_test", lambda difference, se, dof: honest(difference, se / 3, dof))
     assert len(selftest._false_alarms(truth, results, 40)[0]) > 5
+
+
+def test_the_code_s_hash_is_that_of_its_files_wherever_they_lie(tmp_path, monkeypatch):
+    """Clone and build change places in the order of paths; a shader that changes is other code."""
+
+    def version(clone, build):
+        monkeypatch.setattr(render, "ROOT", tmp_path / clone)
+        monkeypatch.setattr(render, "package_folder", lambda: tmp_path / build / "python" / "restirpg")
+        files = {f"{clone}/framework/shaders/a.glsl": "a", f"{build}/python/restirpg/b.so": "b"}
+        for name, text in files.items():
+            (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+            (tmp_path / name).write_text(text)
+        return render.code_version()
+
+    first = version("1", "2")
+    assert version("4", "3") == first
+    (tmp_path / "4/framework/shaders/a.glsl").write_text("c")
+    assert render.code_version() != first

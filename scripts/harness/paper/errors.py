@@ -44,7 +44,7 @@ def verdicts(groups):
 
 
 def compared(values, first, last):
-    """Cells under the heads of COMPARED for each method, None for the verdict, and what the verdicts are about.
+    """Cells under heads() for each method, None for the verdict, and what the verdicts are about.
 
     values: {label: MAPE by seed}. Changes are against the method `first` and from each method to `last`.
     """
