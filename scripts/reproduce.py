@@ -50,6 +50,7 @@ def parse(arguments):
     add("--reference-frames", type=program.positive, metavar="N", help="frames of the references in all")
     add("--reference-batches", type=program.positive, metavar="R", help="independent parts of each (16)")
     add("--reference-graph", metavar="GRAPH", help="what renders the references (graphs/path_tracer.py)")
+    add("--bounces", type=program.positive, metavar="N", help="bounce cap (each scene's, or the graphs' own)")
     program.add_runner(parser, "out/reproduce")
     return parser.parse_args(arguments)
 
@@ -85,9 +86,9 @@ def chosen(words):
 
 def size_from(options):
     """The preset with what the command line changes."""
-    names = ("size", "frames", "seeds", "reference_frames", "reference_batches", "reference_graph")
+    names = ("size", "frames", "seeds", "reference_frames", "reference_batches", "reference_graph", "bounces")
     changes = {name: getattr(options, name) for name in names}
-    return replace(options.preset, **{name: value for name, value in changes.items() if value})
+    return replace(options.preset, **{name: value for name, value in changes.items() if value is not None})
 
 
 def print_list(evaluation):

@@ -58,9 +58,9 @@ def compared(values, first, last):
     return cells, groups
 
 
-def heads(last):
-    """The heads over what compared() gives."""
-    return "MAPE, one frame", "change, one frame", "tested, one frame", f"change from it to {last}"
+def heads(last, what="one frame"):
+    """The heads over what compared() gives; `what`: of which pictures the errors are."""
+    return f"MAPE, {what}", f"change, {what}", f"tested, {what}", f"change from it to {last}"
 
 
 def filled(rows, groups):

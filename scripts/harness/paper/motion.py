@@ -107,7 +107,7 @@ def means_table(name, title, sequences):
         cells, tested = errors.compared(values, METHODS[0].label, SHOWN[-1].label)
         groups += tested
         rows += [[f"{name_of(runs.scene)}, {moves}", label, *row] for label, row in cells.items()]
-    header = ("sequence", "method", *errors.heads(SHOWN[-1].label))
+    header = ("sequence", "method", *errors.heads(SHOWN[-1].label, "mean of single frames"))
     return Table(name, title, header, errors.filled(rows, groups))
 
 

@@ -41,6 +41,7 @@ class Size:
     scales: tuple = (0.5, 1, 2)  # of the resolution study's pictures
     reference_batches: int = 16
     reference_graph: str = PATH_TRACER
+    bounces: int | None = None  # in place of the scenes' own caps
 
     @property
     def motion_reference_frames(self):
@@ -112,6 +113,7 @@ class Paper:
             reference_frames=size.reference_frames,
             reference_batches=size.reference_batches,
             reference_graph=size.reference_graph,
+            bounces=size.bounces,
         )
         return replace(settings, **dict(study.changes))
 
@@ -135,13 +137,13 @@ class Paper:
         """A Call of `function` on a scene, to be given to `answers`.
 
         Besides `settings` the function is given the graph's `description`, the picture's `size` and the
-        scene's cap of `bounces`, unless they are among the settings.
+        evaluation's or the scene's cap of `bounces`, unless they are among the settings.
         """
         file = self.file(scene)
         settings = {
             "description": json.dumps(render.describe_graph(graph), sort_keys=True),
             "size": self.size.size,
-            "bounces": scenes.bounce_cap(file),
+            "bounces": scenes.bounce_cap(file, self.size.bounces),
         } | settings
         content = scenes.content_hash(file)
         label = f"{Path(file).stem}, {function.__module__.rpartition('.')[2]}"

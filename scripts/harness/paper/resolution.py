@@ -81,10 +81,9 @@ def drawing(changes, counts):
 
 
 def table_of(found, counts):
-    """found: {(scene, size): {label: MAPE by seed}}; counts: {(scene, size): Estimates}."""
+    """found: {(scene, size): what errors.compared() gives}; counts: {(scene, size): Estimates}."""
     rows, groups = [], []
-    for (scene, size), values in found.items():
-        cells, tested = errors.compared(values, UNGUIDED.label, OURS.label)
+    for (scene, size), (cells, tested) in found.items():
         groups += tested
         per_cell = counts.get((scene, size), ["", ""])
         rows += [[scene, f"{size[0]}x{size[1]}", label, *row, *per_cell] for label, row in cells.items()]
@@ -108,14 +107,14 @@ def run(paper):
     """Render each size, count, and tabulate."""
     counts = counts_of(paper)
     found = {
-        (name_of(runs.scene), size): errors.by_seed(runs, "frame")
+        (name_of(runs.scene), size): errors.compared(errors.by_seed(runs, "frame"), UNGUIDED.label, OURS.label)
         for size, study in studies(paper).items()
         for runs in paper.compare(study, f"resolution/{size[0]}x{size[1]}").runs
     }
     changes = {
-        (*place, label): errors.change(own, values[UNGUIDED.label])
-        for place, values in found.items()
-        for label, own in values.items()
+        (*place, label): change
+        for place, (cells, _) in found.items()
+        for label, (_, change, *_) in cells.items()
         if label != UNGUIDED.label
     }
     samples = {(*place, kind): value for place, pair in counts.items() for kind, value in zip(COUNTS, pair)}
