@@ -19,9 +19,14 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import restirpg
 
-GRAPHS = Path(__file__).resolve().parents[1] / "graphs"
+ROOT = Path(__file__).resolve().parents[1]
+GRAPHS = ROOT / "graphs"
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from harness import UserError, program, render  # noqa: E402
+from harness.statistics import ratio  # noqa: E402
+
 COLUMNS = ("frame", "mean", "candidates")
 
 
@@ -31,17 +36,17 @@ def parse():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=layout)
     parser.add_argument("scene")
     parser.add_argument("graphs", nargs="+", metavar="GRAPH[@KNOB=VALUE,...]")
-    parser.add_argument("--size", default="96x54", help="pixels (%(default)s)")
+    parser.add_argument("--size", type=program.size, default=(96, 54), help="pixels (96x54)")
     parser.add_argument("--bounces", type=int, default=4, help="(%(default)s)")
     for name, number in (("frames", 24), ("skip", 8), ("seeds", 4), ("reference-frames", 3000)):
         parser.add_argument(f"--{name}", type=int, default=number, help="(%(default)s)")
-    arguments = parser.parse_args()
-    arguments.size = tuple(int(n) for n in arguments.size.split("x"))
-    return arguments
+    return parser.parse_args()
 
 
 def make_renderer(arguments, scene, graph):
     """A renderer of one graph at the sweep's bounce cap."""
+    import restirpg
+
     renderer = restirpg.Renderer(scene, graph, size=arguments.size)
     renderer.set_everywhere("bounces", arguments.bounces)
     return renderer
@@ -49,6 +54,8 @@ def make_renderer(arguments, scene, graph):
 
 def make_reference(arguments, scene):
     """The path tracer's picture, float32 (H, W, 3), through pixel centres."""
+    import restirpg
+
     renderer = make_renderer(arguments, scene, restirpg.load_graph(GRAPHS / "path_tracer.py"))
     renderer.set("gbuffer.jitter", False)
     renderer.seed = 987654
@@ -65,6 +72,8 @@ def make_reference(arguments, scene):
 def make_method(arguments, scene, text):
     """A renderer of GRAPH@KNOB=VALUE,... that shows the parts of each frame."""
     file, _, settings = text.partition("@")
+    if not Path(file).is_file():
+        raise UserError(f"{file}: no such graph file")
     graph = runpy.run_path(file)["graph"]
     surface = graph["gbuffer"].surface
     alone = graph.add("alone", "ReSTIRReuse", surface=surface, candidates=graph["paths"].candidates,
@@ -83,6 +92,8 @@ def make_method(arguments, scene, text):
 
 def errors_of_run(arguments, renderer, seed, reference):
     """The COLUMNS of one run."""
+    import restirpg
+
     def mape(image):
         return restirpg.measure_errors(np.asarray(image, np.float32), reference)["mape"]
 
@@ -100,17 +111,20 @@ def errors_of_run(arguments, renderer, seed, reference):
     return np.mean(frames), mape(total / arguments.frames), mape(candidates / len(frames))
 
 
-def describe(errors, change):
-    """Mean and standard error of each of the COLUMNS of (seeds, COLUMNS), and of its change in percent."""
+def describe(errors, first):
+    """Mean and standard error of each of the COLUMNS of (seeds, COLUMNS), and its change in percent from
+    `first`, which is alike."""
     root = np.sqrt(len(errors))
-    for name, error, percent in zip(COLUMNS, errors.T, change.T):
+    for name, error, before in zip(COLUMNS, errors.T, first.T):
+        quotient, se = ratio(error, before)
         yield (f"{name} {error.mean():.4f} +- {error.std(ddof=1) / root:.4f} "
-               f"({percent.mean():+.1f} +- {percent.std(ddof=1) / root:.1f}%)")
+               f"({100 * (quotient - 1):+.1f} +- {100 * se:.1f}%)")
 
 
-def main():
+def sweep(arguments):
     """Print one line a graph."""
-    arguments = parse()
+    import restirpg
+
     sys.path.insert(0, str(GRAPHS))
     scene = restirpg.load_scene(arguments.scene)
     reference = make_reference(arguments, scene)
@@ -120,8 +134,21 @@ def main():
         errors = np.array([errors_of_run(arguments, renderer, 7919 * (i + 1), reference)
                            for i in range(arguments.seeds)])
         first = errors if first is None else first
-        print(f"{text}: {', '.join(describe(errors, 100 * (errors / first - 1)))}", flush=True)
+        print(f"{text}: {', '.join(describe(errors, first))}", flush=True)
+
+
+def main():
+    """The command line. Returns the exit code."""
+    arguments = parse()
+
+    def body(_):
+        render.find_package()
+        with render.refusals():
+            sweep(arguments)
+        return 0
+
+    return program.run("guide_sweep.py", body)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

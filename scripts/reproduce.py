@@ -65,8 +65,10 @@ def describe(size):
 def chosen(words):
     """The experiments that the words name, in the order of the report; raises UserError."""
     names, group = [], None
-    for word in words:
+    for word, after in zip(words, [*words[1:], ""]):
         if word in ("figure", "table"):
+            if not after.isdigit():
+                raise UserError(f"say which {word}; there are: {', '.join(experiments.BY_NAME)}, all")
             group = word
             continue
         name = f"{group} {word}" if group and word.isdigit() else word

@@ -2,7 +2,7 @@
 """See what guides the paths at some pixels: fitted lobes, the directions they were fitted to, and the true
 product rho L_i cos.
 
-    PYTHONPATH=build/python scripts/see_guide.py --scene FILE --pixel X Y [--pixel X Y ...]
+    scripts/see_guide.py --scene FILE --pixel X Y [--pixel X Y ...]
         [--graph graphs/restir_pg.py]
         [--frames 64] [--size 160x90] [--cell-size 0.05] [--raw] [-o out/guide.png] [--markdown FILE]
 
@@ -23,19 +23,20 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import restirpg
-from harness import UserError, guide_maps
+
+from harness import program, render
 
 
 def parse():
+    """The command line as a namespace."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--scene", type=Path, required=True)
     parser.add_argument("--pixel", type=int, nargs=2, action="append", required=True)
     parser.add_argument("--graph", type=Path, default=Path(__file__).parents[1] / "graphs" / "restir_pg.py")
-    parser.add_argument("--frames", type=int, default=64)
-    parser.add_argument("--size", type=lambda text: tuple(map(int, text.split("x"))), default=(160, 90))
+    parser.add_argument("--frames", type=program.positive, default=64)
+    parser.add_argument("--size", type=program.size, default=(160, 90))
     parser.add_argument("--cell-size", type=float, default=0.05)
     parser.add_argument("--raw", action="store_true")
     parser.add_argument("--markdown", type=Path)
@@ -43,21 +44,22 @@ def parse():
     return parser.parse_args()
 
 
-def main():
-    arguments = parse()
+def see(arguments):
+    """Learn, print the table and draw the maps."""
+    import restirpg
+
+    from harness import guide_maps
+
     scene = restirpg.load_scene(arguments.scene)
-    try:
-        learner = guide_maps.Learner(
-            scene,
-            restirpg.load_graph(arguments.graph).description,
-            arguments.pixel,
-            arguments.size,
-            cell_size=arguments.cell_size,
-            raw=arguments.raw,
-        )
-        points, samples, mixtures = learner.run(arguments.frames)
-    except UserError as error:
-        sys.exit(f"see_guide.py: {error}")
+    learner = guide_maps.Learner(
+        scene,
+        restirpg.load_graph(arguments.graph).description,
+        arguments.pixel,
+        arguments.size,
+        cell_size=arguments.cell_size,
+        raw=arguments.raw,
+    )
+    points, samples, mixtures = learner.run(arguments.frames)
     lines, maps, random = [], [], np.random.default_rng(1)
     products = guide_maps.products_at(points, scene, scene.bounce_cap or 8)
     for pixel, point, product, mine, mixture in zip(arguments.pixel, points, products, samples, mixtures):
@@ -78,7 +80,20 @@ def main():
         arguments.markdown.write_text("\n".join(head + lines) + "\n")
     arguments.o.parent.mkdir(parents=True, exist_ok=True)
     guide_maps.draw(maps, ("L_i cos", "directions", "fitted lobes")).savefig(arguments.o, dpi=90)
+    return 0
+
+
+def main():
+    """The command line. Returns the exit code."""
+    arguments = parse()
+
+    def body(_):
+        render.find_package()
+        with render.refusals():
+            return see(arguments)
+
+    return program.run("see_guide.py", body)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

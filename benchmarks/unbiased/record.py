@@ -24,7 +24,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 from report import as_json, as_markdown, findings_of  # noqa: E402
 from runs import Case, MethodRuns, ReferenceBatches  # noqa: E402
 
-from harness import UserError, program, render, scenes  # noqa: E402
+from harness import program, render, scenes  # noqa: E402
 from harness.jobs import parse_method  # noqa: E402
 from harness.motion import Motion  # noqa: E402
 from harness.unbiased import compare  # noqa: E402
@@ -115,23 +115,14 @@ def record(options):
     return 1 if findings["biased"] else 0
 
 
-def record_or_refuse(options):
-    """As record, with the renderer's own errors as UserError."""
-    import restirpg
-
-    try:
-        return record(options)
-    except restirpg.Error as error:
-        raise UserError(str(error)) from None
-
-
 def main(arguments):
     """The command line. Returns the exit code."""
     options = parse(arguments)
 
     def body(_):
         render.find_package()
-        return record_or_refuse(options)
+        with render.refusals():
+            return record(options)
 
     return program.run("record.py", body)
 

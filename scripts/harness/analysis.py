@@ -8,6 +8,7 @@ from harness import reference as references
 from harness import statistics as st
 
 METRICS = ("mape", "relmse")
+SETTLED = 0.5  # of a run's frames, the last ones, count as single frames: reuse and guide have settled
 
 
 @dataclass
@@ -19,6 +20,7 @@ class MethodFindings:
     curves: dict  # metric -> curve; relmse without the reference's own noise
     gpu_ms: np.ndarray  # summed since the start, (seeds, measured frames)
     wall_ms: np.ndarray
+    single: np.ndarray  # MAPE of settled single frames by seed; NaN where none is known
     equal_frame: dict  # metric -> (mean, standard error) after the last frame
     equal_time: (
         dict  # metric -> (mean, standard error) at SceneFindings.common_ms; NaN: the first frame takes longer
@@ -31,7 +33,8 @@ class MethodFindings:
     passes: dict  # pass -> ms a frame, mean over seeds
     memory: dict  # resource -> bytes
     against: (
-        dict  # (metric, "frame", "time" or a frame of `at`) -> paired Test against the baseline, which has none
+        dict  # (metric, "frame", "time", "single" or a frame of `at`) -> paired Test against the baseline,
+        # which has none
     )
     images: dict  # "image" (first seed), "mean" (of all seeds), "frame" (first seed's last frame alone)
     adjusted: dict = field(default_factory=dict)  # as `against`, and "bias", "blocks" -> corrected p-value
@@ -51,6 +54,13 @@ class SceneFindings:
     seeds: int
     bias_tests: int = 1  # in the family that the smallest detectable bias is corrected for
     at: tuple = ()  # frames whose own pictures were measured, no times compared; (): the mean of all frames was
+
+
+def single_frames(run):
+    """Mean MAPE of a run's settled single frames; NaN if no frame's own picture is known."""
+    errors = run["frame_mape"]
+    errors = errors[len(errors) - max(1, round(SETTLED * len(errors))) :]
+    return float(np.mean(errors[~np.isnan(errors)])) if not np.isnan(errors).all() else float("nan")
 
 
 def analyse(scene_runs):
@@ -108,6 +118,8 @@ def _scene(runs):
             for metric in METRICS
             for mode in ("frame", *(runs.at[:-1] if runs.at else ("time",)))
         }
+        if not runs.at:
+            method.against["mape", "single"] = st.paired(method.single, methods[0].single)
     return SceneFindings(
         runs.scene,
         runs.reference,
@@ -151,6 +163,7 @@ def _method(label, runs, truth, noise, subtracted, common):
         curves=curves,
         gpu_ms=gather["gpu_ms"],
         wall_ms=gather["wall_ms"],
+        single=np.array([single_frames(run) for run in runs]),
         equal_frame={},
         equal_time={},
         bias=st.welch(pictures.mean(axis=(1, 2, 3)) / scale, truth["batch_means"] / scale),

@@ -3,6 +3,7 @@
 import json
 import os
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 from harness import UserError, reference, render, scenes
 from harness.jobs import Job, Method, digest, seed_of
@@ -60,6 +61,12 @@ class Comparison:
         for label in labels:
             if labels.count(label) > 1:
                 raise UserError(f"two pictures would be called '{label}'; tell them apart with @label=NAME")
+        names = [Path(scene).stem for scene in settings.scenes]
+        for name in names:
+            if names.count(name) > 1:
+                raise UserError(f"two scenes would be called '{name}'; compare them one after the other")
+        if settings.reference and len(names) > 1:
+            raise UserError(f"{settings.reference}: one picture cannot be the reference of {len(names)} scenes")
         if settings.motion and not settings.at:
             raise UserError("while things move only single frames can be measured: say which, as in --at 8,16")
 
@@ -269,6 +276,10 @@ class Comparison:
             if result:
                 results[job.label][job.seed] = result
         finished = {label: runs for label, runs in results.items() if runs}
+        baseline = plan["methods"][0].label
+        if baseline not in finished:
+            self.failures.append(f"{plan['scene']}: left out: no run of '{baseline}', the baseline, was finished")
+            finished = {}
         seeds = [
             seed
             for seed in dict.fromkeys(job.seed for job in jobs)
@@ -282,21 +293,29 @@ class Comparison:
             for job in plan["methods"]
         }
         warnings = list(plan["warnings"])
-        if len(seeds) < self.settings.seeds:
+        if finished and len(seeds) < self.settings.seeds:
             left_out = self.settings.seeds - len(seeds)
             warnings.append(f"{left_out} of {self.settings.seeds} seeds are left out: a run failed")
+        everything = [result["meta"] for by_seed in runs.values() for result in by_seed]
+        devices = {", ".join(meta["device"].values()) for meta in everything}
+        if len(devices) > 1:
+            warnings.append(f"times are those of several devices: {'; '.join(sorted(devices))}")
+        if any(meta.get("at_a_time", 1) > 1 for meta in everything):
+            warnings.append("some runs were not alone (--jobs): they took longer than they would have")
         for label, by_seed in runs.items():
-            devices = {", ".join(result["meta"]["device"].values()) for result in by_seed}
-            if len(devices) > 1:
-                warnings.append(f"{label}: its times are those of several devices: {'; '.join(sorted(devices))}")
-            if invalid := sum(result["meta"]["invalid"] for result in by_seed):
+            if invalid := int(sum(result["invalid"].sum() for result in by_seed)):
                 warnings.append(
-                    f"{label}: {invalid} pixels of its runs are NaN or infinite and left out of every mean"
+                    f"{label}: NaN or infinite pixels, {invalid} in all measured pictures: left out of its "
+                    "errors, black in its pictures"
                 )
             if dropped := sum(result["meta"]["dropped"] for result in by_seed):
                 warnings.append(
                     f"{label}: {dropped} samples were NaN or infinite and left out of its pictures"
                 )
+        if invalid := truth["meta"].get("invalid"):
+            warnings.append(f"reference: {invalid} NaN or infinite pixels of its batches count as black")
+        if dropped := truth["meta"].get("dropped"):
+            warnings.append(f"reference: {dropped} samples were NaN or infinite and left out")
         return SceneRuns(
             plan["scene"],
             truth,

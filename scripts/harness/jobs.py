@@ -7,7 +7,7 @@ import json
 import os
 import zipfile
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -117,10 +117,6 @@ class Job:
     def reference_of(self, frame):
         """The key of the reference that the measured frame has, or None."""
         return self.references[self.at.index(frame)] if self.at else self.reference
-
-    def with_seed(self, *parts):
-        """The same job with the seed that belongs to `parts`."""
-        return replace(self, seed=seed_of(*parts))
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,8 @@ def combine(cache, jobs):
     their number), `luminance_variance`: the same of luminance, mean over pixels; `batch_means` (R): each
     batch's mean over pixels and channels; `batch_blocks` (R, H/8, W/8): luminance.
     """
-    mean, squares, luminance_squares, means, blocks, wall = 0.0, 0.0, 0.0, [], [], 0.0
+    mean, squares, luminance_squares, means, blocks = 0.0, 0.0, 0.0, [], []
+    sums = dict.fromkeys(("wall_ms", "invalid", "dropped"), 0)
     for number, job in enumerate(jobs, 1):  # Welford: one batch in memory at a time
         batch = cache.load(job.key)
         image = np.nan_to_num(batch["image"].astype(float), nan=0, posinf=0, neginf=0)
@@ -29,7 +30,7 @@ def combine(cache, jobs):
         luminance_squares += np.mean(luminance(step) * luminance(image - mean))
         means.append(image.mean())
         blocks.append(block_means(luminance(image)))
-        wall += batch["meta"]["wall_ms"]
+        sums = {name: value + batch["meta"][name] for name, value in sums.items()}
     count = len(jobs)
     scale = max(count - 1, 1) * count
     result = {
@@ -42,7 +43,7 @@ def combine(cache, jobs):
             "source": jobs[0].graph,
             "batches": count,
             "frames": jobs[0].frames,
-            "wall_ms": wall,
+            **sums,
             "knobs": batch["meta"]["knobs"],
             "device": batch["meta"]["device"],
         },
@@ -65,7 +66,15 @@ def from_exr(cache, file, size):
         "luminance_variance": np.array(0.0),
         "batch_means": np.array([image.mean(dtype=float)]),
         "batch_blocks": block_means(luminance(image))[None],
-        "meta": {"source": str(file), "batches": 0, "frames": 0, "wall_ms": 0.0, "knobs": {}, "device": {}},
+        "meta": {
+            "source": str(file),
+            "batches": 0,
+            "frames": 0,
+            "wall_ms": 0.0,
+            "invalid": int(np.sum(~np.isfinite(image).all(axis=-1))),
+            "knobs": {},
+            "device": {},
+        },
     }
     key = digest(image.tobytes() + str(image.shape).encode())
     cache.store(key, result)

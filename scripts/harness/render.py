@@ -1,5 +1,6 @@
 """The only module that touches the renderer, package `restirpg`: everything else sees arrays."""
 
+import contextlib
 import functools
 import json
 import os
@@ -36,6 +37,17 @@ def find_package():
         del sys.modules[name]
 
 
+@contextlib.contextmanager
+def refusals():
+    """The renderer's own errors, raised within, as UserError."""
+    import restirpg
+
+    try:
+        yield
+    except restirpg.Error as error:
+        raise UserError(str(error)) from None
+
+
 def package_folder():
     """The folder of the package `restirpg` that find_package chose."""
     import restirpg
@@ -43,8 +55,12 @@ def package_folder():
     return Path(restirpg.__file__).parent
 
 
+#: Of the harness, what a run's or call's result depends on.
+MEASURING = ("cell_counts.py", "guide_maps.py", "guiding.py", "measure.py", "motion.py", "render.py")
+
+
 def code_version():
-    """Hash of the renderer's own files, plugins and shaders: results of other code are not reused."""
+    """Hash of what results depend on, plugins and shaders among it: those of other code are not reused."""
     package = package_folder()
     folders = [
         package,
@@ -59,7 +75,7 @@ def code_version():
         for folder in folders
         for file in Path(folder).rglob("*")
         if file.suffix in kinds and file.is_file()
-    }
+    } | {Path(__file__).with_name(name) for name in MEASURING}
     return digest("".join(sorted(digest(file.read_bytes()) for file in files)).encode())
 
 
@@ -221,10 +237,8 @@ def read_exr(file):
     """An EXR's R, G, B as float32 (H, W, 3); raises UserError."""
     import restirpg
 
-    try:
+    with refusals():
         return np.asarray(restirpg.read_exr(file), np.float32)
-    except restirpg.Error as error:
-        raise UserError(str(error)) from None
 
 
 def write_exr(file, layers, attributes):

@@ -52,6 +52,14 @@ def mean_se(values, axis=0):
     return values.mean(axis=axis), se
 
 
+def ratio(values, baseline):
+    """The ratio of two means over pairs that shared a seed, and its standard error to first order: that of
+    what the ratio leaves. (A mean of ratios would be too large where the baseline is noisy.)"""
+    values, baseline = np.asarray(values, float), np.asarray(baseline, float)
+    quotient = values.mean() / baseline.mean()
+    return quotient, mean_se((values - quotient * baseline) / baseline.mean())[1]
+
+
 def paired(a, b):
     """Test of mean(a - b) = 0 over pairs that shared a seed."""
     difference, se = mean_se(np.asarray(a, float) - np.asarray(b, float))

@@ -30,7 +30,10 @@ def with_error(value, error, scale=1.0, unit=""):
 
 
 def error_of(method, metric, mode):
-    """Mean and standard error over seeds: after the last frame ("frame"), at equal "time", or at a frame."""
+    """Mean and standard error over seeds: after the last frame ("frame"), at equal "time", of "single" frames
+    (MAPE alone), or at a frame."""
+    if mode == "single":
+        return st.mean_se(method.single)
     if mode in ("frame", "time"):
         return (method.equal_frame if mode == "frame" else method.equal_time)[metric]
     return st.mean_se(method.curves[metric][:, list(method.frames).index(mode)])
@@ -85,7 +88,10 @@ def equal_tables(scene):
     ):
         header, rows = ["method"], []
         header += [text for metric in METRICS for text in (TITLES[metric], "against the first")]
-        header += ["GPU ms/frame", "wall ms/frame"] if mode == "frame" else ["frames"]
+        if mode == "frame":
+            header += ["MAPE, single frames", "against the first", "GPU ms/frame", "wall ms/frame"]
+        else:
+            header.append("frames")
         for method in scene.methods:
             values = method.equal_frame if mode == "frame" else method.equal_time
             row = [method.label]
@@ -96,6 +102,10 @@ def equal_tables(scene):
                     verdict(method, scene.methods[0], metric, mode),
                 ]
             if mode == "frame":
+                row += [
+                    with_error(*st.mean_se(method.single), 100, "%"),
+                    verdict(method, scene.methods[0], "mape", "single"),
+                ]
                 row += [
                     with_error(*st.mean_se(times[:, -1] / frames))
                     for times in (method.gpu_ms, method.wall_ms)
@@ -249,6 +259,9 @@ def write_csv(findings, folder):
         for metric in METRICS:
             header += [f"{metric}_{mode}", f"{metric}_{mode}_se", f"{metric}_{mode}_p"]
     header += [
+        "mape_single",
+        "mape_single_se",
+        "mape_single_p",
         "bias",
         "bias_se",
         "bias_p",
@@ -267,6 +280,7 @@ def write_csv(findings, folder):
             for mode, values in (("frame", method.equal_frame), ("time", method.equal_time)):
                 for metric in METRICS:
                     row += [*values[metric], method.adjusted.get((metric, mode), float("nan"))]
+            row += [*st.mean_se(method.single), method.adjusted.get(("mape", "single"), float("nan"))]
             row += [
                 method.bias.difference,
                 method.bias.se,

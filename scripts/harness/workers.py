@@ -19,9 +19,9 @@ _context = multiprocessing.get_context("spawn")  # a fork would inherit the pare
 class Worker:
     """What a worker process knows from task to task."""
 
-    def __init__(self, folder):
-        """folder: the cache's."""
-        self._cache, self._renderers = Cache(folder), render.Renderers()
+    def __init__(self, folder, at_a_time=1):
+        """folder: the cache's; at_a_time: how many runs this machine does at once, for their times suffer."""
+        self._cache, self._renderers, self._at_a_time = Cache(folder), render.Renderers(), at_a_time
 
     def do(self, kind, job, tick=lambda frames: None):
         """Do a task, see Pool.run: its answer is returned, its result kept in the cache."""
@@ -35,6 +35,7 @@ class Worker:
         except Exception:
             self._renderers.forget()
             raise
+        result["meta"]["at_a_time"] = self._at_a_time
         result["meta"]["job"] = {
             "label": job.label,
             "scene": job.scene,
@@ -51,7 +52,7 @@ def one_line(error):
     return " ".join(str(error).split()) or type(error).__name__
 
 
-def _serve(connection, folder, log):
+def _serve(connection, folder, at_a_time, log):
     """A worker's whole life: take a task, answer with ticks and one result, until the pipe closes."""
     with open(
         log, "ab", buffering=0
@@ -60,7 +61,7 @@ def _serve(connection, folder, log):
         os.dup2(file.fileno(), 2)
     faulthandler.enable()
     render.find_package()
-    worker = Worker(folder)
+    worker = Worker(folder, at_a_time)
     try:
         while True:
             kind, job = connection.recv()
@@ -77,12 +78,12 @@ def _serve(connection, folder, log):
 
 
 class _Process:
-    def __init__(self, folder, number):
+    def __init__(self, folder, at_a_time, number):
         self.log = Path(folder) / f"worker-{number}.log"
         self.log.unlink(missing_ok=True)
         self.job = None
         self.connection, theirs = _context.Pipe()
-        self.process = _context.Process(target=_serve, args=(theirs, str(folder), str(self.log)), daemon=True)
+        self.process = _context.Process(target=_serve, args=(theirs, str(folder), at_a_time, str(self.log)), daemon=True)
         # Ctrl-C reaches the whole process group: the parent alone decides what ends, so the worker never sees
         # it.
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -168,4 +169,4 @@ class Pool:
 
     def _start(self):
         self._started += 1
-        return _Process(self._folder, self._started)
+        return _Process(self._folder, self._count, self._started)

@@ -42,7 +42,10 @@ def arguments(folder, *methods, **options):
         "out": "out",
         **options,
     }
-    flags = [text for name, value in options.items() for text in (f"--{name.replace('_', '-')}", str(value))]
+    flags = []
+    for name, value in options.items():
+        values = value if isinstance(value, list) else [value]
+        flags += [f"--{name.replace('_', '-')}", *map(str, values)]
     return [
         sys.executable,
         str(SCRIPT),

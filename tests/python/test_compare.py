@@ -53,6 +53,10 @@ def test_errors_are_those_of_the_known_noise(finished):
         assert (
             abs(float(row["relmse_frame"]) - expected) < 5 * float(row["relmse_frame_se"]) + 0.002 * expected
         )
+        # A single frame's error is exponential: its mean absolute value is 2 / e of its standard deviation.
+        y = (truth @ np.array([0.2126, 0.7152, 0.0722]))[..., None]
+        single = noise * 2 / np.e * np.mean(truth / (y + 0.01 * y.mean()))
+        assert abs(float(row["mape_single"]) - single) < 5 * float(row["mape_single_se"]) + 0.005 * single
 
 
 def test_a_bounce_cap_of_none_is_a_cap(tmp_path):
@@ -146,6 +150,26 @@ def test_a_failed_run_is_reported_and_the_rest_goes_on(tmp_path, knob, words):
     assert words in (tmp_path / "out/report.html").read_text()
 
 
+def test_without_a_baseline_nothing_else_takes_its_place(tmp_path):
+    run = compare(tmp_path, f"plain.json@fail_seed={seed_of(0, 'run', 0)},label=plain", "plain.json@label=other", seeds=1)
+    assert run.returncode == 1 and not summary(tmp_path)
+    assert "scene.gltf: left out: no run of 'plain', the baseline, was finished" in run.stderr
+
+
+def test_invalid_pixels_are_counted_in_all_measured_pictures_and_in_the_reference(tmp_path):
+    write_graph(tmp_path, "truth", broken=2)
+    run = compare(tmp_path, "plain.json", "plain.json@broken=3,label=bad", reference_graph="truth.json")
+    assert run.returncode == 0, run.stderr
+    assert f"bad: NaN or infinite pixels, {3 * 8 * 4} in all measured pictures" in run.stdout
+    assert f"reference: {2 * 16} NaN or infinite pixels of its batches count as black" in run.stdout
+    assert "plain: NaN" not in run.stdout
+
+
+def test_runs_that_shared_the_machine_are_told_apart_from_those_that_did_not(tmp_path):
+    assert "were not alone" not in compare(tmp_path).stdout
+    assert "some runs were not alone (--jobs)" in compare(tmp_path, jobs=2, cache="other").stdout
+
+
 def test_one_seed_is_compared_but_not_tested(tmp_path):
     run = compare(tmp_path, seeds=1)
     assert run.returncode == 0, run.stderr
@@ -173,6 +197,8 @@ def test_a_picture_can_be_the_reference(tmp_path):
         (["plain.json"], {"size": "12"}, "'12' is not WIDTHxHEIGHT"),
         (["plain.json"], {"frames": "0"}, "'0' is not a whole number"),
         (["plain.json"], {"reference": "plain.json"}, "plain.json: cannot be read"),
+        (["plain.json"], {"scenes": ["scene.gltf", "again/scene.gltf"]}, "two scenes would be called 'scene'"),
+        (["plain.json"], {"scenes": ["scene.gltf", "broken.glb"], "reference": "x.exr"}, "reference of 2 scenes"),
         (["bad.json"], {}, "bad.json: not JSON"),
         (["plain.json"], {"out": "plain.json"}, "choose"),
     ],

@@ -17,6 +17,15 @@ def test_paired_and_welch_agree_with_scipy():
     assert st.welch(a, 1.2).p == pytest.approx(stats.ttest_1samp(a, 1.2).pvalue)
 
 
+def test_a_ratio_of_means_and_its_error_hold_where_a_mean_of_ratios_does_not():
+    rng = np.random.default_rng(3)
+    baseline, values = rng.gamma(4, 1 / 4, (2, 4000, 64))  # a relative standard deviation of a half
+    found = np.array([st.ratio(*pair) for pair in zip(0.9 * values, baseline)])
+    assert found[:, 0].mean() == pytest.approx(0.9, rel=0.01)
+    assert found[:, 1].mean() == pytest.approx(found[:, 0].std(), rel=0.05)
+    assert (0.9 * values / baseline).mean() > 1.1
+
+
 def test_holm_gives_the_textbook_values_and_skips_what_was_not_tested():
     np.testing.assert_allclose(st.holm([0.01, np.nan, 0.04, 0.03]), [0.03, np.nan, 0.06, 0.06])
     assert st.holm([]).size == 0

@@ -206,6 +206,20 @@ def test_a_section_is_drawn_and_its_tables_are_written(name, tmp_path):
         assert len(read(tmp_path / f"{table.name}.csv")) == len(table.rows) > 0
 
 
+class LackingPaper(MadeUpPaper):
+    """One in whose studies every run of the last method, ReSTIR PG in most, failed."""
+
+    def compare(self, study, folder=None):
+        return super().compare(replace(study, methods=study.methods[:-1]), folder)
+
+
+@pytest.mark.parametrize("name", [name for name in experiments.BY_NAME if name != "figure 4"])
+def test_a_method_that_failed_everywhere_leaves_a_section_of_the_others(name):
+    section = experiments.BY_NAME[name].run(LackingPaper())
+    assert all(picture.png() for picture in section.pictures)
+    assert all(len(row) == len(table.header) for table in section.tables for row in table.rows)
+
+
 def test_figure_4_scores_each_kind_by_its_own_histograms():
     product = np.full((1, 8, 32), 1 / 256)
     right = {
@@ -232,6 +246,8 @@ def test_each_method_has_its_own_errors():
         if row["method"] != OURS.label:
             to_ours = row[f"change from it to {OURS.label}"].mean
             assert to_ours == pytest.approx(KNOWN[OURS.label] / own - 1)
+        between = row["method"] not in (OURS.label, UNGUIDED.label)
+        assert ("p = " in row[f"tested, to {OURS.label}"]) == between
         if row["method"] != UNGUIDED.label:
             assert row["change, one frame"].mean == pytest.approx(own / KNOWN[UNGUIDED.label] - 1)
 
@@ -365,7 +381,8 @@ def test_a_csv_has_means_and_errors_unscaled(tmp_path):
         (["figure", "3"], "there is no 'figure 3'; there are: figure 1, figure 2"),
         (["tables"], "there is no 'tables'"),
         ([], "say what to reproduce, as in"),
-        (["figure"], "say what to reproduce, as in"),
+        (["figure"], "say which figure; there are: figure 1, figure 2"),
+        (["figure", "5", "table"], "say which table"),
         (["figure", "5", "--scenes", "absent"], "absent: neither a file nor an embedded scene"),
         (["figure", "5", "--scenes", "README.md"], "README.md"),
         (["figure", "5", "--size", "12"], "'12' is not WIDTHxHEIGHT"),

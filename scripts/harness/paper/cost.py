@@ -56,15 +56,12 @@ def shares_table(results):
         parts = overhead(pass_times(runs))
         total = sum(parts.values())
         for part, values in parts.items():
-            share = values.mean() / total.mean()
-            # Of a ratio of means, to first order: the spread of what the ratio leaves.
-            error = st.mean_se((values - share * total) / total.mean())[1]
             rows.append(
                 [
                     name_of(runs.scene),
                     part,
                     estimate(values),
-                    percent(share, error),
+                    percent(*st.ratio(values, total)),
                     PAPER_SHARES[part],
                 ]
             )
@@ -74,7 +71,7 @@ def shares_table(results):
                 name_of(runs.scene),
                 "all, of the frame without guiding",
                 estimate(total),
-                percent(*st.mean_se(total / frame)),
+                percent(*st.ratio(total, frame)),
                 "",
             ]
         )

@@ -3,29 +3,23 @@ all."""
 
 import numpy as np
 
+from harness import analysis
 from harness import statistics as st
 from harness.paper.page import Table, estimate, percent
 from harness.paper.paper import name_of
-
-SETTLED = 0.5  # of a run's frames, the last ones, count as single frames: reuse and guide have settled
-
-
-def single_frames(run):
-    """Mean MAPE of a run's settled single frames."""
-    errors = run["frame_mape"]
-    return float(np.nanmean(errors[len(errors) - max(1, round(SETTLED * len(errors))) :]))
 
 
 def by_seed(runs, measure):
     """{label: (seeds,)} of a SceneRuns; `measure`: "frame", single frames, or "mean", of all frames
     together."""
-    value = single_frames if measure == "frame" else lambda run: float(run["mape"][-1])
+    value = analysis.single_frames if measure == "frame" else lambda run: float(run["mape"][-1])
     return {label: np.array([value(run) for run in seeds]) for label, seeds in runs.runs.items()}
 
 
 def change(values, baseline):
-    """Mean of a seed's ratio less one, and its standard error."""
-    return percent(*st.mean_se(values / baseline - 1))
+    """Ratio of the means less one, and its standard error, of values paired by seed."""
+    quotient, error = st.ratio(values, baseline)
+    return percent(quotient - 1, error)
 
 
 def verdicts(groups):
@@ -44,23 +38,32 @@ def verdicts(groups):
 
 
 def compared(values, first, last):
-    """Cells under heads() for each method, None for the verdict, and what the verdicts are about.
+    """Cells under heads() for each method, None for a verdict, and what the verdicts are about.
 
-    values: {label: MAPE by seed}. Changes are against the method `first` and from each method to `last`.
+    values: {label: MAPE by seed}, without methods that failed. Changes are against the method `first` and
+    from each method to `last`; that from the first to the last is tested once, in the last one's row.
     """
     cells, groups = {}, []
     for label, own in values.items():
-        row = [percent(*st.mean_se(own)), "", "baseline"]
+        row = [percent(*st.mean_se(own)), "", "baseline", "", ""]
         if label != first:
-            row[1:] = [change(own, values[first]), None]
+            row[1:3] = [change(own, values[first]), None]
             groups.append((own, values[first]))
-        cells[label] = [*row, "" if label == last else change(values[last], own)]
+        if label != last and last in values:
+            row[3] = change(values[last], own)
+            if label != first:
+                row[4] = None
+                groups.append((values[last], own))
+        cells[label] = row
     return cells, groups
 
 
 def heads(last, what="one frame"):
     """The heads over what compared() gives; `what`: of which pictures the errors are."""
-    return f"MAPE, {what}", f"change, {what}", f"tested, {what}", f"change from it to {last}"
+    return (
+        f"MAPE, {what}", f"change, {what}", f"tested, {what}", f"change from it to {last}",
+        f"tested, to {last}",
+    )  # fmt: skip
 
 
 def filled(rows, groups):

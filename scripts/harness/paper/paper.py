@@ -73,13 +73,6 @@ class Results:
     runs: list
     findings: list
 
-    def of(self, scene):
-        """(SceneRuns, SceneFindings) of a scene, by the file's name without its ending."""
-        for runs, findings in zip(self.runs, self.findings):
-            if Path(runs.scene).stem == scene:
-                return runs, findings
-        raise KeyError(scene)
-
 
 class Paper:
     """One evaluation: its size and folder, and what has been measured for it so far."""

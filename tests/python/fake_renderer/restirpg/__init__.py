@@ -20,6 +20,7 @@ DEFAULTS = {
     "memory": 0.0,  # autocorrelation of a pixel's frames at lag 1
     "ms": 2.0,  # per frame
     "sleep": 0.0,  # seconds a frame really takes
+    "broken": 0,  # pixels of the picture that are NaN
     "crash_seed": -1,  # the run with this seed ends the process
     "fail_seed": -1,  # the run with this seed raises
 }
@@ -119,7 +120,9 @@ class Renderer:
 
     def output(self, name):
         """The mean of all frames."""
-        return (self._sum / self._frames).astype(np.float32)
+        image = (self._sum / self._frames).astype(np.float32)
+        image[0, : self._knobs["paths"]["broken"]] = np.nan
+        return image
 
     def total_gpu_times(self):
         """Summed since the last cut."""
@@ -132,7 +135,8 @@ class Renderer:
 
 def measure_errors(image, reference):
     """As restirpg.measure_errors."""
-    image, reference = image.astype(float), reference.astype(float)
+    valid = np.isfinite(image).all(axis=-1)
+    image, reference = image[valid].astype(float), reference[valid].astype(float)
     y = reference @ np.array([0.2126, 0.7152, 0.0722])
     difference = image - reference
     return {
@@ -140,7 +144,7 @@ def measure_errors(image, reference):
         "relmse": np.mean(difference**2 / (reference**2 + 0.01)),
         "rmse": np.sqrt(np.mean(difference**2)),
         "bias": (image.mean() - reference.mean()) / reference.mean(),
-        "invalid": 0,
+        "invalid": int(np.sum(~valid)),
     }
 
 
