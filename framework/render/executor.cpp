@@ -92,9 +92,11 @@ void Executor::run(FrameConstants constants, const BindingSet& bindings)
 {
     constants.frame = frame_;
     constants.reset = frame_ == 0;
-    device_.upload(constants_, &constants, sizeof constants);
     connect();
-    device_.submit([&](VkCommandBuffer commands) { record(commands, bindings); });
+    device_.submit([&](VkCommandBuffer commands) {
+        vkCmdUpdateBuffer(commands, constants_.handle(), 0, sizeof constants, &constants);
+        record(commands, bindings);
+    });
     readTimes();
     ++frame_;
 }

@@ -60,7 +60,7 @@ public:
     void moveNode(const std::string& name, const glm::mat4& local);
     void setTime(float seconds);
     /// Other random numbers from the next frame on. Cut as well: paths of the history replay the numbers of their own seed. After both
-    /// the frames are those of a new renderer of that seed, byte for byte, where scene time and poses are the same too.
+    /// the frames are those of a new renderer of that seed, byte for byte, where scene time and poses are the same too and no node has moved.
     void setSeed(uint32_t seed) { options_.seed = seed; }
     /// Forget all history: the next frame is a first frame.
     void cut();

@@ -28,7 +28,7 @@ GuidingMemory load_sums(uint slot)
         total += m.sums[4u * k + 3u];
     m.bsdf = from_fixed(s.bsdf);
     total += m.bsdf;
-    m.count = float(s.count);
+    m.count = total > 0.0 ? float(s.count) : 0.0;  // samples too dim for the fixed point are none
     float scale = total > 0.0 ? m.count / total : 0.0;
     for (uint i = 0u; i < 16u; ++i)
         m.sums[i] *= scale;

@@ -13,12 +13,12 @@ public:
         io.input("statistics", statistics_, fixedSize("GuidingStatistics", {}), "what GuidingSplat added up in this frame");
         io.input("history", history_, layout, "the output guide, one frame ago: prev(\"fit.guide\")");
         io.output("guide", guide_, layout, "a mixture of four von Mises-Fisher lobes a cell, to sample the next frame's paths from");
-        io.knob("cells", cells_, 1u << 10, 1u << 24, "slots of the hash table, rounded up to a power of two; as GuidingSplat's");
+        io.knob("cells", cells_, 1u << 10, 1u << 21, "slots of the hash table, rounded up to a power of two; as GuidingSplat's");
         io.structural();
         io.knob("minimum", minimum_, 1, 1e6f, "samples that a cell is fitted to, at least");
         io.knob("pool", pool_, "a cell with fewer samples keeps them for the next frame; off: it keeps its lobes alone");
         io.structural();
-        io.knob("decay", decay_, 0, 0.999f, "what the sums of earlier frames weigh a frame later (Zeng et al. 2025: 0)");
+        io.knob("decay", decay_, 0, 0.999f, "what a cell's sums weigh in its next fit (Zeng et al. 2025: 0)");
         io.structural();
         io.knob("oldest", oldest_, 0, 10000, "frames that a cell goes on guiding without being fitted again");
         io.knob("lobes", lobes_, 1, GUIDING_LOBES, "of a cell's mixture; the others have no weight (Zeng et al. 2025: 4)");

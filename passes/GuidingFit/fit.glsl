@@ -47,7 +47,7 @@ VmfMixture fit_mixture(FitSums sums, VmfMixture before, FitPriors priors)
         float len = length(r);
         float effective = m.weight[k] * sums.count;
         float mean_cosine = len / max(sums.share[k], 1e-20);
-        mean_cosine *= effective / (priors.concentration + effective);
+        mean_cosine *= effective / max(priors.concentration + effective, 1e-20);
         m.kappa[k] = kappa_of(min(mean_cosine, largest_cosine));
         if (len > 0.0) {
             m.x[k] = r.x / len;

@@ -23,12 +23,13 @@ public:
         io.optionalInput("samples", samples_, perPixel<GuidingSample>("GuidingSamples"), "bounces of raw path trees, weighted by the light that came back (or `vertices`)");
         io.optionalInput("guide", guide_, guide({}, {}), "the guide that drew the paths, one frame ago: prev(\"fit.guide\")");
         io.output("statistics", statistics_, fixedSize("GuidingStatistics", [this] { return bytes(); }), "sufficient statistics of this frame, a cell");
-        io.knob("cells", cells_, 1u << 10, 1u << 24, "slots of the hash table, rounded up to a power of two");
+        io.knob("cells", cells_, 1u << 10, 1u << 21, "slots of the hash table, rounded up to a power of two");
         io.structural();
         io.knob("cell_size", cellSize_, 1e-3f, 1, "most that a cell's side spans, of the image's height");
         io.knob("smallest_cell", smallestCell_, 1e-5f, 1, "least side of a cell, of the scene's radius");
-        io.choice("final_edges", finalEdges_, FINAL_EDGES, "which edges that end on a light count: all, those found by scattering, or none");
-        io.knob("incident", incident_, "divide by the BSDF and the cosine, so that lobes fit the incident radiance alone");
+        io.structural();
+        io.choice("final_edges", finalEdges_, FINAL_EDGES, "of vertices, which edges that end on a light count: all, those found by scattering, or none");
+        io.knob("incident", incident_, "divide vertices by the BSDF and the cosine, so that lobes fit the incident radiance alone");
         io.knob("parallax", parallax_, "add up distances and places, too, for lobes that are re-aimed within their cell");
         io.structural();
     }
@@ -41,6 +42,8 @@ public:
             fail("GuidingSplat: learns from vertices or from samples; wire one of the two");
         if (vertices_ && parallax_)
             fail("GuidingSplat: parallax=true needs samples: vertices do not say how far they look");
+        if (samples_ && (incident_ || finalEdges_ != "all"))
+            fail("GuidingSplat: incident and final_edges are for vertices: samples have their weights, and none is marked as the last");
         const uint64_t pixels = uint64_t(frame.width()) * frame.height();
         const uint64_t bytes = vertices_ ? vertices_->bytes() / sizeof(PathVertex) : samples_->bytes() / sizeof(GuidingSample);
         GuidingSplatParameters parameters{};

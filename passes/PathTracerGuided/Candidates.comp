@@ -64,16 +64,16 @@ LightEdge edge_in_tree(LightPoint point, vec3 x)
     return e;
 }
 
-/// Weigh a whole path against those before it. `last` is its last bounce.
-void offer(PathReservoir path, float weight, float u, PathVertex last)
+/// Weigh a whole path against those before it: is it kept?
+bool offer(PathReservoir path, float weight, float u)
 {
     if (!(weight > 0.0) || isinf(weight))
-        return;
+        return false;
     weight_sum += weight;
-    if (u * weight_sum <= weight) {
-        kept = path;
-        keep_last_vertex(last);
-    }
+    if (u * weight_sum > weight)
+        return false;
+    kept = path;
+    return true;
 }
 
 /// A direction with its label: what the tree takes along an edge.
@@ -153,9 +153,8 @@ void offer_light_sample(Tree tree, Vertex v, uint u, RandomKey key, RandomKey ch
     float density = e.light_pdf / e.jacobian * shares[label] + (e.delta ? 0.0 : label_density(v, label, local, e.wi));
     vec3 light = e.radiance * transmittance_leaving(p, e.wi, e.distance);
     PathReservoir path = end_path(tree, v, u, bounce, point, e, light);
-    PathVertex last = record_bounce(v.point, v.material, label, e.wi, bounce.value);
-    set_final(last, true);
-    offer(path, luminance(path.f) * tree.inverse_pdf / density, numbers.y, last);
+    if (offer(path, luminance(path.f) * tree.inverse_pdf / density, numbers.y))
+        keep_last_vertex(record_bounce(v.point, v.material, label, e.wi, bounce.value), true);
     note_light(u, bounce.value * light / density);
 }
 
@@ -195,8 +194,9 @@ Bounce scatter_labelled(Vertex v, RandomKey key, uint u)
     return s;
 }
 
-/// Offer the path whose scattered edge has met a light.
-void offer_found_light(Tree tree, Vertex v, uint u, Bounce s, LightPoint point, vec3 radiance, vec3 absorption, RandomKey choices)
+/// Offer the path whose scattered edge, `noted` as a vertex, has met a light.
+void offer_found_light(Tree tree, Vertex v, uint u, Bounce s, PathVertex noted, LightPoint point, vec3 radiance, vec3 absorption,
+                       RandomKey choices)
 {
     if (RESTIRPG_FAULT == TREE_FAULT_FOUND_LIGHTS)
         return;
@@ -205,9 +205,8 @@ void offer_found_light(Tree tree, Vertex v, uint u, Bounce s, LightPoint point, 
     if (!s.delta && e.jacobian > 0.0 && params.nextEventEstimation != 0u)
         density += e.light_pdf / e.jacobian * label_shares(v, s.local)[s.label];
     PathReservoir path = end_path(tree, v, u, s, point, e, radiance * absorption);
-    PathVertex last = record_bounce(v.point, v.material, s.label, s.wi, s.value);
-    set_final(last, false);
-    offer(path, luminance(path.f) * tree.inverse_pdf / density, random4(choices, u, 0u).z, last);
+    if (offer(path, luminance(path.f) * tree.inverse_pdf / density, random4(choices, u, 0u).z))
+        keep_last_vertex(noted, false);
     note_light(u + 1u, radiance * (s.density / density));
 }
 
@@ -235,7 +234,7 @@ void trace_tree(Hit hit, uvec2 at)
     tree.path.pixel = key.pixel;
     tree.path.frame = key.frame;
     Surface surface = load_surface(hit, false);
-    Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), at, 1u);
+    Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), at, 1u, true);
 
     for (uint u = 1u; u <= params.bounces + 1u; ++u) {
         if (u > 1u && params.nextEventEstimation != 0u)  // direct light at x_1 is ReSTIR DI's, but for what delta lobes find (O5)
@@ -256,17 +255,17 @@ void trace_tree(Hit hit, uvec2 at)
             vec3 radiance = environment_radiance(s.wi);
             note_bounce(u, bounce, s.value / s.density, absorption, s.density, INFINITE_DISTANCE);
             if (owned && radiance != vec3(0.0))
-                offer_found_light(tree, v, u, s, point_in_environment(s.wi), radiance, absorption, choices);
+                offer_found_light(tree, v, u, s, bounce, point_in_environment(s.wi), radiance, absorption, choices);
             return;
         }
         surface = load_surface(hit, false);
-        Vertex next = make_vertex(surface, -s.wi, at, u + 1u);
+        Vertex next = make_vertex(surface, -s.wi, at, u + 1u, u <= params.bounces);
         vec3 absorption = transmittance_between(v.point, s.wi, t, next.point);
         vec3 emission = triangle_emission(hit.instance, hit.triangle, hit.barycentrics, next.point.front);
         note_bounce(u, bounce, s.value / s.density, absorption, s.density, t);
         if (owned && emission != vec3(0.0))
-            offer_found_light(tree, v, u, s, point_on_triangle(hit.instance, hit.triangle, hit.barycentrics), emission, absorption,
-                              choices);
+            offer_found_light(tree, v, u, s, bounce, point_on_triangle(hit.instance, hit.triangle, hit.barycentrics), emission,
+                              absorption, choices);
 
         bool beyond = tree.k > 0u;
         extend_path(tree, u, s);

@@ -43,7 +43,7 @@ float light_pdf(bool found, Hit hit, vec3 x, vec3 y, vec3 wi)
 vec3 trace_path(Hit hit, uvec2 pixel, RandomKey key)
 {
     Surface surface = load_surface(hit, false);
-    Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), pixel, 1u);
+    Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), pixel, 1u, true);
     vec3 radiance = vec3(0.0);
     vec3 throughput = vec3(1.0);
 
@@ -66,7 +66,7 @@ vec3 trace_path(Hit hit, uvec2 pixel, RandomKey key)
         if (found) {
             surface = load_surface(hit, false);
             ShadingPoint from = v.point;
-            v = make_vertex(surface, -wi, pixel, u + 1u);
+            v = make_vertex(surface, -wi, pixel, u + 1u, u <= params.bounces);
             throughput *= transmittance_between(from, wi, t, v.point);
             emission = triangle_emission(hit.instance, hit.triangle, hit.barycentrics, v.point.front);
         } else {

@@ -35,10 +35,12 @@ void begin_training()
 #endif
 }
 
-void keep_last_vertex(PathVertex last)
+/// The kept path ends with this bounce.
+void keep_last_vertex(PathVertex last, bool light_sampled)
 {
 #if VERTICES
     kept_last = last;
+    set_final(kept_last, light_sampled);
 #endif
 }
 

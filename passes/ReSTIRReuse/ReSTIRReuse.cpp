@@ -77,18 +77,15 @@ public:
             frame.dispatchPixels(spatialKernel_, parameters);
             takeAsSource(parameters);
         }
-        if (!temporal && rounds_ == 0) {
-            if (reservoirs_)
-                frame.copy(*candidates_.resource, *reservoirs_.resource);
-            if (vertices_)
-                frame.copy(*candidateVertices_.resource, *vertices_.resource);
-        }
+        if (!temporal && rounds_ == 0 && reservoirs_)
+            frame.copy(*candidates_.resource, *reservoirs_.resource);
         if (radiance_)
             frame.dispatchPixels(shadeKernel_, parameters);
-        if (vertices_) {
-            parameters.vertices = vertices_->address();
-            frame.dispatchPixels(verticesKernel_, parameters);
-        }
+        if (vertices_)
+            frame.dispatchPixels(verticesKernel_,
+                                 ReuseVerticesParameters{parameters.frame, parameters.surface, parameters.source, parameters.originSource,
+                                                         candidateVertices_->address(), addressOf(historyVertices_), vertices_->address(),
+                                                         bounces_ + 1});
     }
 
 private:
@@ -112,32 +109,28 @@ private:
         p.source = candidates_->address();
         p.history = addressOf(history_);
         p.radiance = addressOf(radiance_);
-        p.vertexSource = addressOf(candidateVertices_);
-        p.vertexHistory = addressOf(historyVertices_);
         p.cap = cap_;
         p.radius = radius_;
         p.normalThreshold = normalThreshold_;
         p.depthThreshold = depthThreshold_;
         p.neighbours = neighbours_;
-        p.stride = bounces_ + 1;
         return p;
     }
 
-    /// Where a stage writes that still has `left` stages after it: the outputs for the last, else one of two sets of buffers of our own.
+    /// Where a stage writes that still has `left` stages after it: the output for the last, else one of two buffers of our own.
     void setDestination(ReuseParameters& parameters, const Frame& frame, uint32_t left)
     {
         const uint64_t pixels = uint64_t(frame.width()) * frame.height();
         const uint32_t own = left == 0 ? 2 : left % 2;
         parameters.reservoirs = left == 0 && reservoirs_ ? reservoirs_->address() : scratch(scratch_[own], pixels * sizeof(PathReservoir));
         if (vertices_)
-            parameters.vertices =
-                left == 0 ? vertices_->address() : scratch(vertexScratch_[own], pixels * parameters.stride * sizeof(PathVertex));
+            parameters.origins = scratch(originScratch_[left % 2], pixels * sizeof(uint32_t));
     }
 
     static void takeAsSource(ReuseParameters& parameters)
     {
         parameters.source = parameters.reservoirs;
-        parameters.vertexSource = parameters.vertices;
+        parameters.originSource = parameters.origins;
     }
 
     Address scratch(Buffer& buffer, uint64_t bytes)
@@ -159,7 +152,7 @@ private:
     float depthThreshold_ = 0.1f;
     std::string fault_ = "none";
     Device* device_ = nullptr;
-    Buffer scratch_[3], vertexScratch_[2];
+    Buffer scratch_[3], originScratch_[2];
     Kernel temporalKernel_, spatialKernel_, shadeKernel_, verticesKernel_;
 };
 

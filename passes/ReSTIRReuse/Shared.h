@@ -14,15 +14,24 @@ struct ReuseParameters {
     Address history;  ///< PathReservoir a pixel, one frame ago
     Address reservoirs;  ///< PathReservoir a pixel, written
     Address radiance;  ///< vec3 a pixel; 0: nobody reads it
-    Address vertexSource;  ///< PathVertex of `source`, stride a pixel; 0: nobody reads vertices
-    Address vertexHistory;  ///< PathVertex of `history`
-    Address vertices;  ///< PathVertex of `reservoirs`, written
+    Address originSource;  ///< whose bounces those of `source` are, a uint a pixel, see merge.glsl; 0: each pixel's own candidate's
+    Address origins;  ///< whose those of `reservoirs` are, written; 0: nobody reads vertices
     float cap;  ///< confidence of the history, at most, times that of the pixel's own
     float radius;  ///< of the disk of neighbours, see disk_radius
     float normalThreshold;
     float depthThreshold;
     uint neighbours;
     uint round;
+};
+
+struct ReuseVerticesParameters {
+    Address frame;  ///< FrameConstants
+    Address surface;  ///< Hit a pixel
+    Address source;  ///< PathReservoir a pixel: the path it ends the frame with
+    Address origins;  ///< whose bounces those are, a uint a pixel, see merge.glsl; 0: each pixel's own candidate's
+    Address candidates;  ///< PathVertex of the candidates, stride a pixel
+    Address history;  ///< PathVertex of the paths of the frame before, likewise
+    Address vertices;  ///< PathVertex of `source`, likewise, written
     uint stride;  ///< vertices a pixel
 };
 

@@ -23,7 +23,7 @@ Neighbours find_neighbours(uvec2 at, Hit hit)
     float radius = disk_radius(params.radius);
     for (uint i = 0u; i < params.neighbours; ++i) {
         uint pixel;
-        if (!find_neighbour_pixel(at, radius, random2(reuse_key(at), params.round, 2u * i), pixel))
+        if (!find_neighbour_pixel(at, radius, random2(reuse_key(at), spatial_round(params.round), 2u * i), pixel))
             continue;
         Hit there = HitArray(params.surface).at[pixel];
         if (there.instance == INVALID_INDEX || !is_similar(centre, load_surface(there, false), frame.c.camera.position,
@@ -53,11 +53,11 @@ Choice merge_neighbours(uvec2 at, Hit hit, Choice kept, Neighbours n)
             continue;
         float share = neighbour_share(r, shifted, jacobian, own.confidence, n.confidence);
         float weight = part * share * luminance(shifted.f) * jacobian * r.ucw;
-        choose(kept, shifted, n.pixel[i], weight, random1(reuse_key(at), params.round, 2u * i + 1u));
+        choose(kept, shifted, n.pixel[i], weight, random1(reuse_key(at), spatial_round(params.round), 2u * i + 1u));
     }
     // The centre comes last: its weight is known only now.
     choose(kept, own, centre, own_weight * luminance(own.f) * own.ucw,
-           random1(reuse_key(at), params.round, 2u * MAX_REUSE_NEIGHBOURS));
+           random1(reuse_key(at), spatial_round(params.round), SPATIAL_NUMBERS - 1u));
     finish_merge(kept, total);
     return kept;
 }
@@ -77,5 +77,5 @@ void main()
             kept = merge_neighbours(at, hit, kept, n);
     }
     PathReservoirArray(params.reservoirs).at[pixel] = kept.path;
-    copy_vertices(params.vertexSource, kept.owner, params.vertices, pixel, params.stride);
+    write_origin(params.origins, pixel, origin_of(params.originSource, kept.owner));
 }

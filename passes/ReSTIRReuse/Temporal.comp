@@ -61,8 +61,5 @@ void main()
     if (hit.instance != INVALID_INDEX && find_history(at, hit, before))
         kept = merge_history(at, hit, kept.path, before);
     PathReservoirArray(params.reservoirs).at[pixel] = kept.path;
-    if (kept.owner == OWN)
-        copy_vertices(params.vertexSource, pixel, params.vertices, pixel, params.stride);
-    else
-        copy_vertices(params.vertexHistory, before, params.vertices, pixel, params.stride);
+    write_origin(params.origins, pixel, kept.owner == OWN ? pixel : before | OF_HISTORY);
 }

@@ -1,11 +1,11 @@
-// The bounces of each pixel's chosen path as it stands in this pixel. Those from the reconnection vertex on came along with the reservoir;
-// those before it are walked again, without random decisions or visibility: the shift that brought the path here has tested it.
+// The bounces of each pixel's chosen path as it stands in this pixel. Those from the reconnection vertex on are those of the path that was
+// shifted here; those before it are walked again, without random decisions or visibility: the shift has tested it.
 #version 460
 #include "prelude.glsl"
 #include "merge.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { ReuseParameters params; };
+layout(push_constant, scalar) uniform Push { ReuseVerticesParameters params; };
 
 /// The direction in which the path leaves x_{k-1}.
 vec3 direction_to_anchor(PathReservoir r, vec3 from)
@@ -58,10 +58,15 @@ void main()
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
     PathReservoir r = PathReservoirArray(params.source).at[pixel];
-    if (r.ucw > 0.0) {
-        write_prefix(r, HitArray(params.surface).at[pixel], pixel * params.stride);
-        return;
+    uint origin = origin_of(params.origins, pixel);
+    PathVertexArray from = PathVertexArray((origin & OF_HISTORY) != 0u ? params.history : params.candidates);
+    uint first = pixel * params.stride;
+    for (uint i = 0u; i < params.stride; ++i) {
+        PathVertex v = no_path_vertex();
+        if (r.ucw > 0.0)
+            v = from.at[(origin & ~OF_HISTORY) * params.stride + i];
+        PathVertexArray(params.vertices).at[first + i] = v;
     }
-    for (uint i = 0u; i < params.stride; ++i)
-        PathVertexArray(params.vertices).at[pixel * params.stride + i] = no_path_vertex();
+    if (r.ucw > 0.0 && origin != pixel)
+        write_prefix(r, HitArray(params.surface).at[pixel], first);
 }

@@ -10,14 +10,13 @@
 #define RESTIRPG_SHIFT_VISIBILITY (RESTIRPG_FAULT != REUSE_FAULT_VISIBILITY)
 
 #include "neighbours.glsl"
+#include "rounds.glsl"
 #include "path_shift.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vec2Array { vec2 at[]; };
 
 /// XORed into the seed: no number of this pass is one of another pass.
 const uint RANDOM_STREAM_REUSE = 0x51ed270bu;
-/// "Bounces" of this pass's random numbers: a round of spatial reuse, or temporal reuse.
-const uint TEMPORAL_ROUND = 0xffffu;
 
 RandomKey reuse_key(uvec2 at)
 {
@@ -119,13 +118,22 @@ void finish_merge(inout Choice kept, float confidence)
     kept.path.confidence = confidence;
 }
 
-/// The kept path's vertices go with it. Those before its reconnection are still the owner's: Vertices.comp replaces them.
-void copy_vertices(Address from, uint owner, Address to, uint pixel, uint stride)
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer OriginArray { uint at[]; };
+
+/// Whose bounces a pixel's path has from its reconnection on: of this frame's candidate of the pixel with this number, or, with this
+/// bit, of the path that it ended the frame before with.
+const uint OF_HISTORY = 1u << 31u;
+
+/// The origin of the path that the stage before left in a pixel.
+uint origin_of(Address origins, uint pixel)
 {
-    if (to == 0ul)
-        return;
-    for (uint i = 0u; i < stride; ++i)
-        PathVertexArray(to).at[pixel * stride + i] = PathVertexArray(from).at[owner * stride + i];
+    return origins != 0ul ? OriginArray(origins).at[pixel] : pixel;
+}
+
+void write_origin(Address origins, uint pixel, uint origin)
+{
+    if (origins != 0ul)
+        OriginArray(origins).at[pixel] = origin;
 }
 
 #endif

@@ -38,5 +38,13 @@ struct RandomCounts {
     uint outside;  ///< numbers that are not in [0, 1)
 };
 
+TEST_CONST REUSE_NUMBERS = 33u;  ///< that a round of reuse may take
+
+struct ReuseNumbersCase {
+    Address results;  ///< vec2 a number
+    uint rounds;  ///< spatial ones
+    uint overlapping;  ///< 1: each round has the addresses of one bounce alone, an error made on purpose
+};
+
 RESTIRPG_SHARED_END
 #endif

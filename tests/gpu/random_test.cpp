@@ -8,11 +8,13 @@
 #include "sampling_case.h"
 
 #include <bit>
+#include <set>
 
 namespace restirpg::test {
 namespace {
 
 constexpr uint32_t NUMBERS = 1u << 20;
+constexpr uint32_t REUSE_ROUNDS = 8;  // the knob's most
 
 RandomCounts draw(uint32_t walk, uint32_t seed, bool weak)
 {
@@ -49,6 +51,23 @@ TEST(Random, AHashWithoutItsSecondHalfIsRejected)
 {
     for (uint32_t walk = 0; walk < WALKS; ++walk)
         EXPECT_LT(smallestP(draw(walk, 0, true)), 1e-6) << "walk " << walk;
+}
+
+/// How many different numbers the most rounds of reuse take.
+size_t differentReuseNumbers(bool overlapping)
+{
+    constexpr uint32_t COUNT = REUSE_NUMBERS * (REUSE_ROUNDS + 1);
+    const Buffer results = device().createBuffer(COUNT * sizeof(glm::vec2), "numbers of reuse");
+    run("reuse_numbers", ReuseNumbersCase{results.address(), REUSE_ROUNDS, overlapping}, COUNT);
+    std::vector<std::pair<float, float>> numbers(COUNT);
+    device().download(results, numbers.data(), results.bytes());
+    return std::set(numbers.begin(), numbers.end()).size();
+}
+
+TEST(Random, RoundsOfReuseShareNoNumber)
+{
+    EXPECT_EQ(differentReuseNumbers(false), REUSE_NUMBERS * (REUSE_ROUNDS + 1));
+    EXPECT_LT(differentReuseNumbers(true), REUSE_NUMBERS * (REUSE_ROUNDS + 1));
 }
 
 TEST(Random, TheSameAddressGivesTheSameNumber)

@@ -93,7 +93,7 @@ def batch_of(sums, places):
     ]
     total = batch[3:16:4].sum() + batch[BSDF]
     scale = batch[COUNT] / total if total > 0 else 0.0
-    return batch * np.r_[np.full(17, scale), 1.0, np.full(7, scale)]
+    return batch * np.r_[np.full(17, scale), 1.0 if total > 0 else 0.0, np.full(7, scale)]
 
 
 def fit_cell(key, statistics, learns_alpha, grid, before, cells, knobs):

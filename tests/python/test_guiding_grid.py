@@ -302,3 +302,25 @@ def test_parallax_asks_for_samples(tmp_path_factory):
     knobs = {"splat__parallax": True, "fit__parallax": True, "fit__decay": 0.9}
     with pytest.raises(restirpg.Error, match="parallax=true needs samples"):
         record(load("cornell_box", tmp_path_factory), graph_of("restir_pg"), count=1, **knobs)
+
+
+@pytest.mark.parametrize("knobs", [{"splat__final_edges": "none"}, {"splat__incident": True}])
+def test_what_is_meant_for_vertices_is_refused_for_samples(tmp_path_factory, knobs):
+    with pytest.raises(restirpg.Error, match="incident and final_edges are for vertices"):
+        record(load("cornell_box", tmp_path_factory), graph_of("raw_pt_ruppert2020"), count=1, **knobs)
+
+
+def test_light_too_dim_for_the_sums_leaves_no_lobes_that_are_too_light(tmp_path_factory):
+    """Weights that do not add up to 1 would be drawn from, but not be in the density: a bias."""
+    load("sky_court", tmp_path_factory)
+    file = tmp_path_factory.getbasetemp() / "guiding_scenes" / "sky_court.glb"
+    graph = graph_of("raw_pt_ruppert2020")
+    for light in ("1e-9,1e-9,1e-9", "1e-7,1e-7,1e-7", "1,1,1"):
+        renderer = make_renderer(restirpg.load_scene(file, environment=light), graph, seed=7)
+        for knob in ("cosine", "reseed"):
+            renderer.set(f"fit.{knob}", False)
+        renderer.render(4)
+        cells = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, oracle.MEMORY)[1]
+        weights = [oracle.mixture_of(cell).weight.sum() for cell, *_ in cells.values() if cell["samples"] > 0]
+        assert np.allclose(weights, 1, atol=1e-3)
+    assert weights

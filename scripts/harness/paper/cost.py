@@ -110,7 +110,7 @@ def memory_table(results):
             )
     header = ["method", "bytes a pixel", *(name for name in PASSES if name not in ("splat", "fit"))]
     header.append("tables of cells, MiB, whatever the size")
-    return Table("cost_memory", "Memory: what a later frame reads is there twice", tuple(header), rows)
+    return Table("cost_memory", "Memory of ports: what a later frame reads is there twice", tuple(header), rows)
 
 
 def guide_table(paper, results):

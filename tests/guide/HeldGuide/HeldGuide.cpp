@@ -15,7 +15,7 @@ public:
         io.optionalInput("history", history_, type, "the output guide, one frame ago; needed by `frozen`");
         io.output("guide", held_, type, "what is made of it");
         io.output("wrong", wrong_, guide(layout, passFile("wrong_guide.glsl")), "the live guide, with a density that is 10% too small");
-        io.knob("cells", cells_, 1u << 10, 1u << 24, "slots, as GuidingFit's: a power of two");
+        io.knob("cells", cells_, 1u << 10, 1u << 21, "slots, as GuidingFit's: a power of two");
         io.structural();
         io.choice("mode", mode_, {"live", "frozen", "garbage"}, "the guide, what it was in frame `from`, or its cells with random narrow lobes");
         io.knob("from", from_, 0, 1000, "frame of the guide that is frozen");

@@ -68,7 +68,7 @@ void main()
     Hit hit = HitArray(params.surface).at[pixel];
     if (hit.instance != INVALID_INDEX) {
         Surface surface = load_surface(hit, false);
-        Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), at, BOUNCE);
+        Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), at, BOUNCE, true);
         kept = draw(v, key);
         vec3 value = carried(v, kept);
         float sum = luminance(value) * kept.ucw;
