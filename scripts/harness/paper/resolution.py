@@ -122,7 +122,8 @@ def run(paper):
         "Single frames, over the second half of each run. A cell spans the same part of the picture at every "
         "size, so that it gets the more samples the larger the picture is; samples are counted of unguided "
         "candidates, over the cells that each kind touches. The statistics of ReSTIR PG last a frame, as the "
-        "paper's do; those of the last method decay."
+        "paper's do, but where a cell has too few samples: those are kept until there are enough. The last "
+        "method's decay."
     )
     picture = Picture(
         "resolution",
