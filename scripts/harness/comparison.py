@@ -61,18 +61,18 @@ class Comparison:
         for label in labels:
             if labels.count(label) > 1:
                 raise UserError(f"two pictures would be called '{label}'; tell them apart with @label=NAME")
-        names = [Path(scene).stem for scene in settings.scenes]
-        for name in names:
-            if names.count(name) > 1:
-                raise UserError(f"two scenes would be called '{name}'; compare them one after the other")
-        if settings.reference and len(names) > 1:
-            raise UserError(f"{settings.reference}: one picture cannot be the reference of {len(names)} scenes")
         if settings.motion and not settings.at:
             raise UserError("while things move only single frames can be measured: say which, as in --at 8,16")
 
     def prepare(self):
         """Check scenes, graphs and knobs before anything long starts; raises UserError."""
         settings = self.settings
+        names = [Path(scene).stem for scene in settings.scenes]
+        for name in names:
+            if names.count(name) > 1:
+                raise UserError(f"two scenes would be called '{name}'; compare them one after the other")
+        if settings.reference and len(names) > 1:
+            raise UserError(f"{settings.reference}: one picture cannot be the reference of {len(names)} scenes")
         self.code = code = render.code_version()
         descriptions = {
             method.graph: json.dumps(render.describe_graph(method.graph), sort_keys=True)

@@ -288,6 +288,7 @@ def test_the_self_test_fails_when_equal_methods_differ(tmp_path, monkeypatch):
             "frame": image,
             "frames": np.array([1, 2]),
             "mape": curve,
+            "frame_mape": curve,
             "relmse": curve**2,
             "bias": curve,
             "gpu_ms": np.array([1.0, 2.0]),

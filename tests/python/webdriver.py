@@ -82,6 +82,8 @@ class Browser:
         """Pointer actions on the first element of a CSS selector: ("move", x, y), x and y from its centre in
         CSS pixels, ("down",), ("up",), ("wheel", delta)."""
         element = self._ask("/element", {"using": "css selector", "value": selector})
+        # Its centre is that of the part in view.
+        self.run(f"document.querySelector({json.dumps(selector)}).scrollIntoView({{block: 'center'}})")
         pointer, wheel = [], []
         for name, *values in actions:
             if name == "move":
