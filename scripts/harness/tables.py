@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from harness import statistics as st
-from harness.analysis import METRICS
+from harness.analysis import METRICS, SETTLED
 
 TITLES = {"mape": "MAPE", "relmse": "relMSE", "bias": "bias"}
 
@@ -79,7 +79,7 @@ def block_cell(method):
 
 
 def equal_tables(scene):
-    """[(title, header, rows)] of the errors at equal frames and at equal time."""
+    """[(title, header, rows)] of the errors at equal frames, of single frames, and at equal time."""
     tables = []
     frames = int(scene.methods[0].frames[-1])
     for mode, title in (
@@ -88,10 +88,7 @@ def equal_tables(scene):
     ):
         header, rows = ["method"], []
         header += [text for metric in METRICS for text in (TITLES[metric], "against the first")]
-        if mode == "frame":
-            header += ["MAPE, single frames", "against the first", "GPU ms/frame", "wall ms/frame"]
-        else:
-            header.append("frames")
+        header += ["GPU ms/frame", "wall ms/frame"] if mode == "frame" else ["frames"]
         for method in scene.methods:
             values = method.equal_frame if mode == "frame" else method.equal_time
             row = [method.label]
@@ -103,10 +100,6 @@ def equal_tables(scene):
                 ]
             if mode == "frame":
                 row += [
-                    with_error(*st.mean_se(method.single), 100, "%"),
-                    verdict(method, scene.methods[0], "mape", "single"),
-                ]
-                row += [
                     with_error(*st.mean_se(times[:, -1] / frames))
                     for times in (method.gpu_ms, method.wall_ms)
                 ]
@@ -115,6 +108,16 @@ def equal_tables(scene):
                 row.append(f"{sum(frames_then) / len(frames_then):.3g}")
             rows.append(row)
         tables.append((title, header, rows))
+    rows = [
+        [
+            method.label,
+            with_error(*st.mean_se(method.single), 100, "%"),
+            verdict(method, scene.methods[0], "mape", "single"),
+        ]
+        for method in scene.methods
+    ]
+    title = f"Single frames: the last {100 * SETTLED:.0f}% of the run"
+    tables.insert(1, (title, ["method", "MAPE", "against the first"], rows))
     return tables
 
 

@@ -154,6 +154,7 @@ def test_tables_charts_graphs_and_provenance_are_there(browser, report, tmp_path
     text = browser.run("return document.body.innerText")
     for words in (
         "Equal frames",
+        "Single frames",
         "Equal time",
         "Bias and correlation",
         "four</script> times",
