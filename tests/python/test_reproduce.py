@@ -290,6 +290,21 @@ def test_means_of_a_sequence_leave_its_first_frame_out():
             assert to_ours == pytest.approx(KNOWN[OURS.label] / own - 1)
 
 
+def test_a_run_of_one_frame_has_no_recovery():
+    class BriefPaper(MadeUpPaper):
+        def compare(self, study, folder=None):
+            results = super().compare(study, folder)
+            for scene in results.runs:
+                scene.at = (1,)
+                for run in (run for seeds in scene.runs.values() for run in seeds):
+                    run["mape"] = run["mape"][:1]
+            return results
+
+    whole, brief = (motion.figure_7(paper()).tables for paper in (MadeUpPaper, BriefPaper))
+    assert [table.name for table in brief] == ["figure_7_means", "figure_7"]
+    assert [table.name for table in whole] == ["figure_7_means", "figure_7", "figure_7_recovery"]
+
+
 def test_recovery_counts_frames_from_the_jump():
     """Measured are the frame before, the jump, and three more; 1.1 times the last error is 0.11."""
     values = np.array(

@@ -174,7 +174,9 @@ def section(paper, name, title, text, studies):
         table(name, f"{title}: MAPE of single frames", sequences),
     ]
     listed += [
-        recovery_table(f"{name}_recovery", runs) for moves, runs in sequences if moves == "light that jumps"
+        recovery_table(f"{name}_recovery", runs)
+        for moves, runs in sequences
+        if moves == "light that jumps" and len(runs.at) > 1
     ]
     findings = [scene for found in results.values() for scene in found.findings]
     return Section(title, text, drawn, listed, findings)
