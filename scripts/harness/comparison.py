@@ -313,7 +313,8 @@ class Comparison:
                     f"{label}: {dropped} samples were NaN or infinite and left out of its pictures"
                 )
         if invalid := truth["meta"].get("invalid"):
-            warnings.append(f"reference: {invalid} NaN or infinite pixels of its batches count as black")
+            fate = "of its batches count as black" if truth["meta"]["batches"] else "are left out of errors"
+            warnings.append(f"reference: {invalid} NaN or infinite pixels {fate}")
         if dropped := truth["meta"].get("dropped"):
             warnings.append(f"reference: {dropped} samples were NaN or infinite and left out")
         return SceneRuns(

@@ -17,6 +17,14 @@ from harness import render, selftest, statistics
 from harness.jobs import Job, parse_method, seed_of
 
 
+def write_exr(file, broken):
+    """A picture as the fake renderer reads it, `broken` of whose pixels are NaN."""
+    image = np.ones((24, 32, 3), np.float32)
+    image[0, :broken] = np.nan
+    with open(file, "wb") as stream:
+        np.save(stream, image)
+
+
 def summary(folder, out="out"):
     """summary.csv: method -> {column: value}."""
     with open(folder / out / "summary.csv") as file:
@@ -163,6 +171,9 @@ def test_invalid_pixels_are_counted_in_all_measured_pictures_and_in_the_referenc
     assert f"bad: NaN or infinite pixels, {3 * 8 * 4} in all measured pictures" in run.stdout
     assert f"reference: {2 * 16} NaN or infinite pixels of its batches count as black" in run.stdout
     assert "plain: NaN" not in run.stdout
+    write_exr(tmp_path / "truth.exr", broken=5)
+    run = compare(tmp_path, "plain.json", reference="truth.exr")
+    assert "reference: 5 NaN or infinite pixels are left out of errors" in run.stdout, run.stderr
 
 
 def test_runs_that_shared_the_machine_are_told_apart_from_those_that_did_not(tmp_path):
