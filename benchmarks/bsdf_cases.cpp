@@ -2,7 +2,7 @@
 
 #include "Shared.h"
 #include "gpu/kernel.h"
-#include "gpu/texture.h"
+#include "gpu/binding_set.h"
 #include "scene/fresnel.h"
 
 #include <chrono>
@@ -25,7 +25,7 @@ constexpr NamedMaterial MATERIALS[] = {{"diffuse_and_coat", 0, 0.5f, 0, false},
 
 struct Sampler {
     Device device;
-    BindingSet noTextures{device, {}};
+    BindingSet noScene{device};
     Kernel kernel;
     Buffer sums;
 
@@ -38,7 +38,7 @@ struct Sampler {
     void run(const BsdfSamplingParameters& parameters)
     {
         device.submit([&](VkCommandBuffer commands) {
-            noTextures.bind(commands);
+            noScene.bind(commands);
             kernel.dispatch(commands, &parameters, sizeof parameters, THREADS);
         });
     }

@@ -7,11 +7,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
-
 namespace restirpg {
 namespace {
-
-constexpr uint32_t TEXTURE_LIMIT = 4096;
 
 VKAPI_ATTR VkBool32 VKAPI_CALL onValidationMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
                                                    const VkDebugUtilsMessengerCallbackDataEXT* data, void* messages)
@@ -255,32 +252,18 @@ Device::~Device()
         vkDestroyInstance(instance_, nullptr);
 }
 
-/// One layout for every kernel: the acceleration structure at binding 0 (ray query only), the texture array at binding 1, and
-/// MAX_PARAMETER_BYTES of push constants.
+/// One layout for every kernel: the acceleration structure at binding 0 (ray query only), and MAX_PARAMETER_BYTES of push constants.
 void Device::createLayouts()
 {
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(physical_, &properties);
     timestampPeriod_ = properties.limits.timestampPeriod;
-    maxTextures_ = std::min({TEXTURE_LIMIT, properties.limits.maxPerStageDescriptorSampledImages,
-                             properties.limits.maxPerStageDescriptorSamplers, properties.limits.maxDescriptorSetSampledImages,
-                             properties.limits.maxDescriptorSetSamplers});
 
-    // A variable-size array has to be the last binding, so the acceleration structure's number comes first.
-    std::vector<VkDescriptorSetLayoutBinding> bindings;
-    std::vector<VkDescriptorBindingFlags> flags;
-    if (backend_ == Backend::rayQuery) {
-        bindings.push_back({0, VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
-        flags.push_back(0);
-    }
-    bindings.push_back({1, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, maxTextures_, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
-    flags.push_back(VK_DESCRIPTOR_BINDING_PARTIALLY_BOUND_BIT | VK_DESCRIPTOR_BINDING_VARIABLE_DESCRIPTOR_COUNT_BIT);
-    VkDescriptorSetLayoutBindingFlagsCreateInfo flagsInfo{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_BINDING_FLAGS_CREATE_INFO};
-    flagsInfo.bindingCount = uint32_t(flags.size());
-    flagsInfo.pBindingFlags = flags.data();
-    VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, &flagsInfo};
-    set.bindingCount = uint32_t(bindings.size());
-    set.pBindings = bindings.data();
+    const VkDescriptorSetLayoutBinding binding{0, VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, 1, VK_SHADER_STAGE_COMPUTE_BIT,
+                                               nullptr};
+    VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+    set.bindingCount = backend_ == Backend::rayQuery ? 1 : 0;
+    set.pBindings = &binding;
     check(vkCreateDescriptorSetLayout(device_, &set, nullptr, &setLayout_), "vkCreateDescriptorSetLayout");
 
     const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, MAX_PARAMETER_BYTES};

@@ -53,7 +53,6 @@ public:
     VkPhysicalDevice physical() const { return physical_; }
     VkPipelineLayout pipelineLayout() const { return pipelineLayout_; }
     VkDescriptorSetLayout setLayout() const { return setLayout_; }
-    uint32_t maxTextures() const { return maxTextures_; }
     double timestampPeriod() const { return timestampPeriod_; }  ///< ns a tick
 
     /// A zeroed buffer, readable and writable by kernels through its address.
@@ -115,7 +114,6 @@ private:
     VkFence fence_ = VK_NULL_HANDLE;
     VkDescriptorSetLayout setLayout_ = VK_NULL_HANDLE;
     VkPipelineLayout pipelineLayout_ = VK_NULL_HANDLE;
-    uint32_t maxTextures_ = 0;
     double timestampPeriod_ = 1;
     uint64_t allocatedBytes_ = 0;
     VkPhysicalDeviceMemoryProperties memory_{};

@@ -27,11 +27,6 @@ const std::vector<Required>& requiredFeatures()
         RESTIRPG_FEATURE(vulkan12, bufferDeviceAddress),
         RESTIRPG_FEATURE(vulkan12, shaderBufferInt64Atomics),
         RESTIRPG_FEATURE(vulkan12, scalarBlockLayout),
-        RESTIRPG_FEATURE(vulkan12, descriptorIndexing),
-        RESTIRPG_FEATURE(vulkan12, runtimeDescriptorArray),
-        RESTIRPG_FEATURE(vulkan12, descriptorBindingPartiallyBound),
-        RESTIRPG_FEATURE(vulkan12, descriptorBindingVariableDescriptorCount),
-        RESTIRPG_FEATURE(vulkan12, shaderSampledImageArrayNonUniformIndexing),
         RESTIRPG_FEATURE(vulkan12, hostQueryReset),
     };
     return features;

@@ -1,7 +1,7 @@
 // The GPU half of the render graph: allocates what the plan asks for, runs the passes in order, measures them.
 #pragma once
 
-#include "gpu/texture.h"
+#include "gpu/binding_set.h"
 #include "graph/graph.h"
 #include "render/frame.h"
 #include "shaders/frame_types.h"

@@ -1,34 +1,30 @@
 #include "render/scene_gpu.h"
 
 #include "core/error.h"
+#include "shaders/path_vertex_types.h"
 
 #include <algorithm>
 
 namespace restirpg {
 namespace {
 
-VkSamplerAddressMode addressMode(Texture::Wrap wrap)
+uint32_t wrapMode(Texture::Wrap wrap)
 {
     switch (wrap) {
-    case Texture::Wrap::mirroredRepeat: return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
-    case Texture::Wrap::clampToEdge: return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-    default: return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+    case Texture::Wrap::mirroredRepeat: return TEXTURE_MIRROR;
+    case Texture::Wrap::clampToEdge: return TEXTURE_CLAMP;
+    default: return TEXTURE_REPEAT;
     }
 }
 
-TextureSource toSource(const Texture& texture)
+/// TextureImage::shape.
+uint64_t shapeOf(const Texture& texture)
 {
-    TextureSource source;
-    source.name = texture.name;
-    source.width = texture.width;
-    source.height = texture.height;
-    source.srgb = texture.srgb;
-    source.bytes = texture.bytes;
-    source.floats = texture.floats;
-    source.wrapU = addressMode(texture.wrapU);
-    source.wrapV = addressMode(texture.wrapV);
-    source.filter = texture.filter == Texture::Filter::nearest ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
-    return source;
+    uint32_t flags = wrapMode(texture.wrapU) | wrapMode(texture.wrapV) << TEXTURE_WRAP_BITS;
+    flags |= texture.filter == Texture::Filter::nearest ? TEXTURE_NEAREST : 0;
+    flags |= texture.srgb ? TEXTURE_SRGB : 0;
+    flags |= texture.floats.empty() ? 0 : TEXTURE_FLOAT;
+    return texture.width | uint64_t(texture.height) << TEXTURE_SIDE_BITS | uint64_t(flags) << (2 * TEXTURE_SIDE_BITS);
 }
 
 bool hasAlphaMask(const Scene& scene)
@@ -39,7 +35,7 @@ bool hasAlphaMask(const Scene& scene)
 
 }  // namespace
 
-SceneGpu::SceneGpu(Device& device, const Scene& scene, const std::vector<glm::mat4>& pose) : device_(device), scene_(scene)
+SceneGpu::SceneGpu(Device& device, const Scene& scene, const std::vector<glm::mat4>& pose) : device_(device), scene_(scene), bindings_(device)
 {
     const uint64_t before = device.allocatedBytes();
     device.setKernelDefine("RESTIRPG_ALPHA_MASK", hasAlphaMask(scene) ? "1" : "0");
@@ -97,46 +93,74 @@ void SceneGpu::createAcceleration()
 
 void SceneGpu::uploadTextures()
 {
-    std::vector<TextureSource> sources;
-    for (const auto& texture : scene_.textures)
-        sources.push_back(toSource(texture));
+    std::vector<TextureImage> images;
+    const auto upload = [&](const Texture& texture) {
+        Buffer texels = texture.floats.empty() ? device_.createBuffer(texture.bytes, texture.name)
+                                               : device_.createBuffer(texture.floats, texture.name);
+        images.push_back({keep(std::move(texels)).address(), shapeOf(texture)});
+    };
+    std::for_each(scene_.textures.begin(), scene_.textures.end(), upload);
     table_.environmentTexture = INVALID_INDEX;
     if (scene_.environment) {
         table_.environmentRadiance = scene_.environment->radiance;
         table_.environmentRotation = scene_.environment->rotation;
         if (scene_.environment->texture) {
-            table_.environmentTexture = uint32_t(sources.size());
+            table_.environmentTexture = uint32_t(images.size());
             table_.environmentSize = {scene_.environment->texture->width, scene_.environment->texture->height};
-            sources.push_back(toSource(*scene_.environment->texture));
+            upload(*scene_.environment->texture);
         }
     }
-    bindings_ = std::make_unique<BindingSet>(device_, sources);
+    table_.textures = keep(device_.createBuffer(images, "textures")).address();
 }
 
 void SceneGpu::placeInstances(const std::vector<glm::mat4>& pose)
 {
-    glm::vec3 lower(1e30f), upper(-1e30f);
     for (const auto& node : scene_.instances) {
         Instance instance{};
         instance.mesh = node.mesh;
         instance.node = node.node;
         instance.lightMap = INVALID_INDEX;
         instance.objectToWorld = instance.previousObjectToWorld = glm::mat4x3(pose[node.node]);
-        instance.worldToObject = glm::mat4x3(glm::inverse(pose[node.node]));
         instances_.push_back(instance);
-        const auto& mesh = scene_.meshes[node.mesh];
-        for (uint32_t v = 0; v < mesh.vertexCount; ++v) {
-            const glm::vec3 p = instance.objectToWorld * glm::vec4(scene_.positions[mesh.firstVertex + v], 1);
-            lower = glm::min(lower, p);
-            upper = glm::max(upper, p);
-        }
+        bounds_.push_back(boundsOf(instance));
     }
-    // The bounding sphere of the first pose. It scales light powers and cell sizes, which have to stand still while nodes move.
-    table_.center = 0.5f * (lower + upper);
-    table_.radius = std::max(0.5f * glm::distance(lower, upper), 1e-6f);
+    const Sphere sphere = boundingSphere();
+    table_.center = sphere.center;
+    table_.radius = sphere.radius;
     table_.instanceCount = uint32_t(instances_.size());
     instanceBuffer_ = device_.createBuffer(instances_, "instances");
     table_.instances = instanceBuffer_.address();
+}
+
+Box SceneGpu::boundsOf(const Instance& instance) const
+{
+    Box box;
+    const auto& mesh = scene_.meshes[instance.mesh];
+    for (uint32_t v = 0; v < mesh.vertexCount; ++v)
+        box.extend(instance.objectToWorld * glm::vec4(scene_.positions[mesh.firstVertex + v], 1));
+    return box;
+}
+
+SceneGpu::Sphere SceneGpu::boundingSphere() const
+{
+    Box box;
+    for (const Box& bounds : bounds_) {
+        box.extend(bounds.lower);
+        box.extend(bounds.upper);
+    }
+    return {0.5f * (box.lower + box.upper), std::max(0.5f * glm::distance(box.lower, box.upper), 1e-6f)};
+}
+
+/// What kernels measure cells and distances by has to stand still while nodes move: keys of cells and stored paths depend on it. It
+/// follows only when the scene has left it, or has shrunk in it.
+void SceneGpu::followScene(const Sphere& sphere)
+{
+    constexpr float LARGER = 0.5f * POSITION_EXTENT, SMALLER = 0.25f;
+    const bool outgrown = glm::distance(sphere.center, table_.center) + sphere.radius > LARGER * table_.radius;
+    if (outgrown || sphere.radius < SMALLER * table_.radius) {
+        table_.center = sphere.center;
+        table_.radius = sphere.radius;
+    }
 }
 
 void SceneGpu::uploadLights(const std::vector<glm::mat4>& pose)
@@ -148,8 +172,10 @@ void SceneGpu::uploadLights(const std::vector<glm::mat4>& pose)
     lightBuffer_ = device_.createBuffer(lights_.lights, "lights");
     table_.lights = lightBuffer_.address();
     table_.lightOfTriangle = keep(device_.createBuffer(lights_.lightOfTriangle, "lightOfTriangle")).address();
-    table_.lightCount = uint32_t(lights_.lights.size());
+    table_.lightCount = lights_.lit ? uint32_t(lights_.lights.size()) : 0;
     table_.environmentLight = lights_.environmentLight;
+    if (!lights_.emissionCells.empty())
+        table_.emissionCells = keep(device_.createBuffer(lights_.emissionCells, "emission cells")).address();
     if (!lights_.environmentCells.empty())
         table_.environmentCells = keep(device_.createBuffer(lights_.environmentCells, "environment cells")).address();
 }
@@ -168,7 +194,7 @@ void SceneGpu::refreshInstances()
         software_->fill(table_);
     } else {
         acceleration_->buildTopLevel(instances_);
-        bindings_->setAccelerationStructure(acceleration_->topLevel());
+        bindings_.setAccelerationStructure(acceleration_->topLevel());
     }
 }
 
@@ -178,12 +204,18 @@ void SceneGpu::update(const std::vector<glm::mat4>& pose)
     if (!moved && settled_)
         return;
     for (size_t i = 0; i < instances_.size(); ++i) {
-        instances_[i].previousObjectToWorld = instances_[i].objectToWorld;
-        instances_[i].objectToWorld = glm::mat4x3(pose[scene_.instances[i].node]);
+        auto& instance = instances_[i];
+        instance.previousObjectToWorld = instance.objectToWorld;
+        instance.objectToWorld = glm::mat4x3(pose[scene_.instances[i].node]);
+        if (instance.objectToWorld != instance.previousObjectToWorld)
+            bounds_[i] = boundsOf(instance);
     }
     refreshInstances();
     if (moved) {
-        moveLights(lights_, scene_, pose);
+        const Sphere sphere = boundingSphere();
+        followScene(sphere);
+        moveLights(lights_, scene_, pose, sphere.radius);
+        table_.lightCount = lights_.lit ? uint32_t(lights_.lights.size()) : 0;
         device_.upload(lightBuffer_, lights_.lights.data(), lights_.lights.size() * sizeof(Light));
         pose_ = pose;
     }

@@ -2,7 +2,8 @@
 #pragma once
 
 #include "gpu/accel.h"
-#include "gpu/texture.h"
+#include "gpu/bvh.h"
+#include "gpu/binding_set.h"
 #include "render/software_tracing.h"
 #include "scene/lights.h"
 #include "scene/scene.h"
@@ -19,22 +20,29 @@ public:
     /// Upload the scene as it stands at `pose` (world matrices, in the order of Scene::nodes).
     SceneGpu(Device& device, const Scene& scene, const std::vector<glm::mat4>& pose);
 
-    /// Move instances and punctual lights to a new pose and bring the acceleration structure up to date. What moved in the call
+    /// Move instances and lights to a new pose and bring the acceleration structure up to date. What moved in the call
     /// before stands still now, so this is called every frame.
     void update(const std::vector<glm::mat4>& pose);
 
     const SceneTable& table() const { return table_; }
-    const BindingSet& bindings() const { return *bindings_; }
+    const BindingSet& bindings() const { return bindings_; }
     const std::vector<Instance>& instances() const { return instances_; }
     const LightTable& lights() const { return lights_; }
     uint64_t bytes() const { return bytes_; }
 
 private:
+    struct Sphere {
+        glm::vec3 center;
+        float radius;
+    };
     void uploadGeometry();
     void uploadMeshes();
     void createAcceleration();
     void uploadTextures();
     void placeInstances(const std::vector<glm::mat4>& pose);
+    Box boundsOf(const Instance& instance) const;
+    Sphere boundingSphere() const;
+    void followScene(const Sphere& sphere);
     void uploadLights(const std::vector<glm::mat4>& pose);
     void refreshInstances();
     Buffer& keep(Buffer buffer);
@@ -44,11 +52,12 @@ private:
     SceneTable table_{};
     std::vector<Buffer> buffers_;
     std::vector<Instance> instances_;
+    std::vector<Box> bounds_;  ///< of each instance, world space
     LightTable lights_;
     std::vector<glm::mat4> pose_;
     bool settled_ = true;  ///< previous and current matrices agree on the device
     Buffer instanceBuffer_, lightBuffer_;
-    std::unique_ptr<BindingSet> bindings_;
+    BindingSet bindings_;
     std::unique_ptr<SoftwareTracing> software_;
     std::unique_ptr<AccelerationStructures> acceleration_;
     uint64_t bytes_ = 0;

@@ -1,5 +1,7 @@
 #include "scene/lights.h"
 
+#include "scene/emission.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,55 +12,31 @@ namespace {
 
 constexpr double PI = std::numbers::pi;
 
-/// Points per side of the grid that averages a textured emitter: one a texel, within these.
-constexpr int FEWEST_GRID_POINTS = 4;
-constexpr int MOST_GRID_POINTS = 64;
-
-double luminance(glm::dvec3 rgb)
+double worldArea(const Scene& scene, const SceneMesh& mesh, uint32_t triangle, const glm::mat4& pose)
 {
-    return glm::dot(rgb, glm::dvec3(0.2126, 0.7152, 0.0722));
-}
-
-/// Mean of a texture over a triangle, at the centres of the small triangles that a regular barycentric grid cuts it
-/// into.
-glm::dvec3 textureMean(const Texture& texture, const std::array<glm::vec2, 3>& uv)
-{
-    float longest = 0;
-    for (size_t i = 0; i < 3; ++i)
-        longest = std::max(longest, glm::length((uv[(i + 1) % 3] - uv[i]) * glm::vec2(texture.width, texture.height)));
-    const int n = int(std::clamp(std::ceil(longest), float(FEWEST_GRID_POINTS), float(MOST_GRID_POINTS)));
-    glm::dvec3 sum(0);
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < 2 * (n - i) - 1; ++j) {
-            // Even j: an upright cell; odd j: the inverted one beside it.
-            const float third = j % 2 ? 2.0f / 3 : 1.0f / 3;
-            const float b1 = (float(i) + third) / float(n), b2 = (float(j / 2) + third) / float(n);
-            sum += glm::dvec3(texture.sample(uv[0] * (1 - b1 - b2) + uv[1] * b1 + uv[2] * b2));
-        }
-    return sum / double(n * n);
-}
-
-/// Mean radiance that a triangle emits, before its area.
-glm::dvec3 meanEmission(const Scene& scene, const Material& material, const SceneMesh& mesh, const glm::uvec3& triangle)
-{
-    const auto& map = material.emissiveMap;
-    if (map.index == INVALID_INDEX)
-        return material.emission;
-    std::array<glm::vec2, 3> uv;
-    for (int i = 0; i < 3; ++i) {
-        const auto& vertex = scene.attributes[mesh.firstVertex + triangle[i]];
-        const glm::vec3 point(map.uvSet == 0 ? vertex.uv0 : vertex.uv1, 1);
-        uv[size_t(i)] = {glm::dot(map.row0, point), glm::dot(map.row1, point)};
-    }
-    return glm::dvec3(material.emission) * textureMean(scene.textures[map.index], uv);
-}
-
-double worldArea(const Scene& scene, const SceneMesh& mesh, const glm::uvec3& triangle, const glm::mat4& pose)
-{
+    const auto& corners = scene.triangles[mesh.firstTriangle + triangle];
     std::array<glm::dvec3, 3> p;
     for (int i = 0; i < 3; ++i)
-        p[size_t(i)] = glm::dvec3(pose * glm::vec4(scene.positions[mesh.firstVertex + triangle[i]], 1));
+        p[size_t(i)] = glm::dvec3(pose * glm::vec4(scene.positions[mesh.firstVertex + corners[i]], 1));
     return 0.5 * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
+}
+
+/// The metric that an instance's matrix gives to its mesh.
+glm::mat3 metricOf(const glm::mat4& pose)
+{
+    const glm::mat3 linear(pose);
+    return glm::transpose(linear) * linear;
+}
+
+/// Do two metrics give the same areas, but for what rounding makes of a rotation?
+bool sameMetric(const glm::mat3& a, const glm::mat3& b)
+{
+    constexpr float ROUNDING = 1e-5f;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (!(std::abs(a[i][j] - b[i][j]) <= ROUNDING * std::sqrt(std::min(a[i][i], b[i][i]) * std::min(a[j][j], b[j][j]))))
+                return false;
+    return true;
 }
 
 /// Place and direction of a punctual light at its node's pose.
@@ -76,69 +54,78 @@ Light emptyLight(uint32_t type)
     light.type = type;
     light.instance = INVALID_INDEX;
     light.triangle = INVALID_INDEX;
+    light.cells = INVALID_INDEX;
     light.direction = glm::vec3(0, 0, -1);
     return light;
 }
 
-/// Collects lights and their powers in watts.
+/// A cell of an alias table for each weight.
+std::vector<ImportanceCell> makeCells(std::span<const double> weights)
+{
+    std::vector<float> pmf;
+    const auto columns = buildAliasTable(weights, pmf);
+    std::vector<ImportanceCell> cells;
+    for (size_t i = 0; i < columns.size(); ++i)
+        cells.push_back({float(double(pmf[i]) * double(columns.size())), columns[i].threshold, columns[i].alias});
+    return cells;
+}
+
+/// Collects lights and their strengths.
 class LightCollector {
 public:
-    LightCollector(const Scene& scene, const std::vector<glm::mat4>& pose, double radius)
-        : scene_(scene), pose_(pose), disk_(PI * radius * radius) {}
+    explicit LightCollector(const Scene& scene) : scene_(scene), emission_(measureEmission(scene)) {}
 
     LightTable collect()
     {
+        for (const auto& [triangle, parts] : emission_.parts) {
+            firstCell_[triangle] = uint32_t(table_.emissionCells.size());
+            const auto cells = makeCells(parts.luminances);
+            table_.emissionCells.insert(table_.emissionCells.end(), cells.begin(), cells.end());
+        }
         for (uint32_t i = 0; i < scene_.instances.size(); ++i)
             addInstance(i);
         for (const auto& source : scene_.punctualLights)
             addPunctual(source);
         if (scene_.environment)
             addEnvironment(*scene_.environment);
-        if (!powers_.empty()) {
-            std::vector<float> pmf;
-            const auto columns = buildAliasTable(powers_, pmf);
-            for (size_t i = 0; i < columns.size(); ++i) {
-                table_.lights[i].pmf = pmf[i];
-                table_.lights[i].aliasThreshold = columns[i].threshold;
-                table_.lights[i].alias = columns[i].alias;
-            }
-        }
         return std::move(table_);
     }
 
 private:
-    /// Index of the light, or INVALID_INDEX where it has no power.
-    uint32_t add(const Light& light, double power)
+    /// Index of the light, or INVALID_INDEX where it is dark.
+    uint32_t add(const Light& light, double strength)
     {
-        if (!(power > 0) || !std::isfinite(power))
+        if (!(strength > 0) || !std::isfinite(strength))
             return INVALID_INDEX;
         table_.lights.push_back(light);
-        powers_.push_back(power);
+        table_.strengths.push_back(strength);
         return uint32_t(table_.lights.size() - 1);
     }
 
     void addInstance(uint32_t instance)
     {
         const auto& mesh = scene_.meshes[scene_.instances[instance].mesh];
-        const auto& pose = pose_[scene_.instances[instance].node];
-        std::vector<uint32_t> lights(mesh.triangleCount, INVALID_INDEX);
-        for (uint32_t t = 0; t < mesh.triangleCount; ++t) {
-            const auto& material = scene_.materials[scene_.materialOfTriangle[mesh.firstTriangle + t]];
-            if (!(material.flags & MATERIAL_EMISSIVE))
-                continue;
-            const auto& triangle = scene_.triangles[mesh.firstTriangle + t];
-            const int sides = material.flags & MATERIAL_DOUBLE_SIDED ? 2 : 1;
-            auto light = emptyLight(LIGHT_TRIANGLE);
-            light.instance = instance;
-            light.triangle = t;
-            lights[t] = add(light, PI * sides * worldArea(scene_, mesh, triangle, pose)
-                                       * luminance(meanEmission(scene_, material, mesh, triangle)));
+        const auto first = emission_.mean.begin() + mesh.firstTriangle;
+        table_.lightMapOfInstance.push_back(INVALID_INDEX);
+        if (std::none_of(first, first + mesh.triangleCount, [](double mean) { return mean > 0; }))
+            return;
+        table_.lightMapOfInstance.back() = uint32_t(table_.lightOfTriangle.size());
+        for (uint32_t t = 0; t < mesh.triangleCount; ++t)
+            table_.lightOfTriangle.push_back(addTriangle(instance, t, mesh.firstTriangle + t));
+    }
+
+    uint32_t addTriangle(uint32_t instance, uint32_t triangle, uint32_t sceneTriangle)
+    {
+        const auto& material = scene_.materials[scene_.materialOfTriangle[sceneTriangle]];
+        auto light = emptyLight(LIGHT_TRIANGLE);
+        light.instance = instance;
+        light.triangle = triangle;
+        if (const auto parts = emission_.parts.find(sceneTriangle); parts != emission_.parts.end()) {
+            light.cells = firstCell_[sceneTriangle];
+            light.cellsASide = parts->second.side;
         }
-        const bool emits =
-            std::any_of(lights.begin(), lights.end(), [](uint32_t light) { return light != INVALID_INDEX; });
-        table_.lightMapOfInstance.push_back(emits ? uint32_t(table_.lightOfTriangle.size()) : INVALID_INDEX);
-        if (emits)
-            table_.lightOfTriangle.insert(table_.lightOfTriangle.end(), lights.begin(), lights.end());
+        const int sides = material.flags & MATERIAL_DOUBLE_SIDED ? 2 : 1;
+        return add(light, PI * sides * emission_.mean[sceneTriangle]);
     }
 
     void addPunctual(const PunctualLight& source)
@@ -147,18 +134,11 @@ private:
         light.intensity = source.intensity;
         light.cosInner = std::cos(source.innerCone);
         light.cosOuter = std::cos(source.outerCone);
-        placePunctual(light, pose_[source.node]);
-        table_.punctualLights.push_back(add(light, power(light)));
-    }
-
-    double power(const Light& light) const
-    {
         const double intensity = luminance(light.intensity);
-        switch (light.type) {
-        case LIGHT_POINT: return 4 * PI * intensity;
-        case LIGHT_SPOT: return 2 * PI * (1 - light.cosOuter) * intensity;
-        default: return disk_ * intensity;
-        }
+        const double solidAngle = source.type == LIGHT_POINT ? 4 * PI
+                                  : source.type == LIGHT_SPOT ? 2 * PI * (1 - light.cosOuter)
+                                                              : 1;  // a directional light's irradiance
+        table_.punctualLights.push_back(add(light, solidAngle * intensity));
     }
 
     void addEnvironment(const Environment& environment)
@@ -166,7 +146,7 @@ private:
         double integral = 4 * PI * luminance(environment.radiance);
         if (environment.texture)
             integral = addEnvironmentCells(*environment.texture) * luminance(environment.radiance);
-        table_.environmentLight = add(emptyLight(LIGHT_ENVIRONMENT), disk_ * integral);
+        table_.environmentLight = add(emptyLight(LIGHT_ENVIRONMENT), integral);
         if (table_.environmentLight == INVALID_INDEX)
             table_.environmentCells.clear();
     }
@@ -189,12 +169,7 @@ private:
         }
         if (!(integral > 0))
             return 0;
-        std::vector<float> pmf;
-        const auto columns = buildAliasTable(weights, pmf);
-        table_.environmentCells.resize(columns.size());
-        for (size_t i = 0; i < columns.size(); ++i)
-            table_.environmentCells[i] = {float(double(pmf[i]) * double(columns.size())), columns[i].threshold,
-                                          columns[i].alias};
+        table_.environmentCells = makeCells(weights);
         return integral;
     }
 
@@ -211,24 +186,86 @@ private:
     }
 
     const Scene& scene_;
-    const std::vector<glm::mat4>& pose_;
-    double disk_;  ///< area of the scene's cross-section, m^2
+    Emission emission_;
+    std::map<uint32_t, uint32_t> firstCell_;  ///< of a triangle's parts, in the table
     LightTable table_;
-    std::vector<double> powers_;
 };
+
+/// The factor from a light's strength to its power; `disk`: area of the scene's cross-section, m^2.
+double extentOf(const Light& light, const Scene& scene, const std::vector<glm::mat4>& pose, double disk)
+{
+    switch (light.type) {
+    case LIGHT_TRIANGLE: {
+        const auto& instance = scene.instances[light.instance];
+        return worldArea(scene, scene.meshes[instance.mesh], light.triangle, pose[instance.node]);
+    }
+    case LIGHT_DIRECTIONAL:
+    case LIGHT_ENVIRONMENT: return disk;
+    default: return 1;
+    }
+}
+
+/// Note every instance's metric; which ones have changed?
+std::vector<bool> updateMetrics(LightTable& table, const Scene& scene, const std::vector<glm::mat4>& pose)
+{
+    std::vector<bool> changed(scene.instances.size());
+    table.metricOfInstance.resize(scene.instances.size(), glm::mat3(-1));  // no matrix has this metric
+    for (size_t i = 0; i < changed.size(); ++i) {
+        const auto metric = metricOf(pose[scene.instances[i].node]);
+        changed[i] = !sameMetric(metric, table.metricOfInstance[i]);
+        if (changed[i])
+            table.metricOfInstance[i] = metric;
+    }
+    return changed;
+}
+
+void selectByPower(LightTable& table)
+{
+    table.lit = std::any_of(table.powers.begin(), table.powers.end(), [](double power) { return power > 0; });
+    if (!table.lit) {
+        for (auto& light : table.lights)
+            light.pmf = 0;
+        return;
+    }
+    std::vector<float> pmf;
+    const auto columns = buildAliasTable(table.powers, pmf);
+    for (size_t i = 0; i < columns.size(); ++i) {
+        table.lights[i].pmf = pmf[i];
+        table.lights[i].aliasThreshold = columns[i].threshold;
+        table.lights[i].alias = columns[i].alias;
+    }
+}
 
 }  // namespace
 
 LightTable buildLightTable(const Scene& scene, const std::vector<glm::mat4>& pose, float sceneRadius)
 {
-    return LightCollector(scene, pose, sceneRadius).collect();
+    auto table = LightCollector(scene).collect();
+    moveLights(table, scene, pose, sceneRadius);
+    return table;
 }
 
-void moveLights(LightTable& table, const Scene& scene, const std::vector<glm::mat4>& pose)
+void moveLights(LightTable& table, const Scene& scene, const std::vector<glm::mat4>& pose, float sceneRadius)
 {
     for (size_t i = 0; i < table.punctualLights.size(); ++i)
         if (table.punctualLights[i] != INVALID_INDEX)
             placePunctual(table.lights[table.punctualLights[i]], pose[scene.punctualLights[i].node]);
+
+    const double disk = PI * double(sceneRadius) * double(sceneRadius);
+    const auto reshaped = updateMetrics(table, scene, pose);
+    auto powers = table.powers;
+    powers.resize(table.lights.size());
+    for (size_t i = 0; i < powers.size(); ++i) {
+        const auto& light = table.lights[i];
+        if (light.type == LIGHT_TRIANGLE && !reshaped[light.instance])
+            continue;
+        const double power = table.strengths[i] * extentOf(light, scene, pose, disk);
+        powers[i] = std::isfinite(power) ? power : 0;
+    }
+    if (powers == table.powers)
+        return;
+    table.powers = std::move(powers);
+    selectByPower(table);
 }
 
 }  // namespace restirpg

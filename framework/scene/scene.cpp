@@ -26,24 +26,6 @@ uint32_t wrapTexel(double texel, uint32_t size, Texture::Wrap wrap)
     return uint32_t(std::clamp(texel, 0.0, n - 1));
 }
 
-glm::vec4 fetchTexel(const Texture& texture, uint32_t x, uint32_t y)
-{
-    const size_t first = (size_t(y) * texture.width + x) * 4;
-    if (!texture.floats.empty())
-        return {texture.floats[first], texture.floats[first + 1], texture.floats[first + 2], texture.floats[first + 3]};
-    static const auto table = [] {
-        std::array<float, 256> values;
-        for (size_t i = 0; i < values.size(); ++i)
-            values[i] = srgbToLinear(float(i) / 255.0f);
-        return values;
-    }();
-    const auto color = [&](size_t c) {
-        const uint8_t byte = texture.bytes[first + c];
-        return texture.srgb ? table[byte] : float(byte) / 255.0f;
-    };
-    return {color(0), color(1), color(2), float(texture.bytes[first + 3]) / 255.0f};
-}
-
 glm::quat asQuaternion(glm::vec4 v)
 {
     return {v.w, v.x, v.y, v.z};
@@ -91,18 +73,36 @@ glm::mat4 localMatrix(const Node& node)
 
 }  // namespace
 
+glm::vec4 Texture::texel(uint32_t x, uint32_t y) const
+{
+    const size_t first = (size_t(y) * width + x) * 4;
+    if (!floats.empty())
+        return {floats[first], floats[first + 1], floats[first + 2], floats[first + 3]};
+    static const auto table = [] {
+        std::array<float, 256> values;
+        for (size_t i = 0; i < values.size(); ++i)
+            values[i] = srgbToLinear(float(i) / 255.0f);
+        return values;
+    }();
+    const auto color = [&](size_t c) {
+        const uint8_t byte = bytes[first + c];
+        return srgb ? table[byte] : float(byte) / 255.0f;
+    };
+    return {color(0), color(1), color(2), float(bytes[first + 3]) / 255.0f};
+}
+
 glm::vec4 Texture::sample(glm::vec2 uv) const
 {
     const double x = double(uv.x) * width, y = double(uv.y) * height;
-    const auto texel = [&](double i, double j) {
-        return fetchTexel(*this, wrapTexel(i, width, wrapU), wrapTexel(j, height, wrapV));
+    const auto wrapped = [&](double i, double j) {
+        return texel(wrapTexel(i, width, wrapU), wrapTexel(j, height, wrapV));
     };
     if (filter == Filter::nearest)
-        return texel(std::floor(x), std::floor(y));
+        return wrapped(std::floor(x), std::floor(y));
     const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
     const float fx = float(x - 0.5 - left), fy = float(y - 0.5 - top);
-    return glm::mix(glm::mix(texel(left, top), texel(left + 1, top), fx),
-                    glm::mix(texel(left, top + 1), texel(left + 1, top + 1), fx), fy);
+    return glm::mix(glm::mix(wrapped(left, top), wrapped(left + 1, top), fx),
+                    glm::mix(wrapped(left, top + 1), wrapped(left + 1, top + 1), fx), fy);
 }
 
 uint64_t Scene::instancedTriangleCount() const

@@ -29,7 +29,10 @@ struct Texture {
     Wrap wrapV = Wrap::repeat;
     Filter filter = Filter::linear;
 
-    /// Linear RGBA at (u, v), with the texture's own wrap and filter, mip 0: the GPU sampler's value but for rounding.
+    /// Linear RGBA of one texel.
+    glm::vec4 texel(uint32_t x, uint32_t y) const;
+
+    /// Linear RGBA at (u, v), with the texture's own wrap and filter, the kernels' value (shaders/texture.glsl) but for rounding.
     glm::vec4 sample(glm::vec2 uv) const;
 };
 

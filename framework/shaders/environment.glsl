@@ -40,7 +40,7 @@ vec3 environment_radiance(vec3 w)
 {
     vec3 radiance = SCENE.environmentRadiance;
     if (has_environment_texture())
-        radiance *= textureLod(textures[nonuniformEXT(SCENE.environmentTexture)], environment_uv(w), 0.0).rgb;
+        radiance *= sample_texture(SCENE.environmentTexture, environment_uv(w)).rgb;
     return radiance;
 }
 
@@ -52,9 +52,17 @@ float pdf_environment(vec3 w)
     vec2 size = vec2(SCENE.environmentSize);
     uvec2 cell = uvec2(min(environment_uv(w) * size, size - 1.0));
     float sine = length(w.xz);  // the rotation about y keeps it
-    float density = EnvironmentCellArray(SCENE.environmentCells).at[cell.y * SCENE.environmentSize.x + cell.x].pdf;
+    float density = ImportanceCellArray(SCENE.environmentCells).at[cell.y * SCENE.environmentSize.x + cell.x].pdf;
     // The unit square maps to the sphere with |d(omega) / d(uv)| = 2 pi^2 sin(theta).
     return density / (2.0 * PI * PI * max(sine, 1e-6));
+}
+
+/// Draw one of `count` cells of an alias table, from `first` on; its number among them.
+uint sample_cell(ImportanceCellArray cells, uint first, uint count, vec2 u)
+{
+    AliasDraw draw = draw_alias(count, u);
+    ImportanceCell cell = cells.at[first + draw.column];
+    return draw.fraction < cell.aliasThreshold ? draw.column : cell.alias;
 }
 
 /// A world direction by the alias table over texels, uniform within the texel; u selects (two numbers) and places
@@ -64,9 +72,7 @@ vec3 sample_environment(vec4 u)
     if (SCENE.environmentCells == 0ul)
         return sample_sphere(u.zw);
     uvec2 size = SCENE.environmentSize;
-    AliasDraw draw = draw_alias(size.x * size.y, u.xy);
-    EnvironmentCell cell = EnvironmentCellArray(SCENE.environmentCells).at[draw.column];
-    uint texel = draw.fraction < cell.aliasThreshold ? draw.column : cell.alias;
+    uint texel = sample_cell(ImportanceCellArray(SCENE.environmentCells), 0u, size.x * size.y, u.xy);
     return environment_direction((vec2(texel % size.x, texel / size.x) + u.zw) / vec2(size));
 }
 

@@ -23,6 +23,7 @@ struct LightEdge {
     float jacobian;  ///< d(solid angle at x) / d(the point's own measure); 0: the edge carries nothing
     float light_pdf;  ///< density of sample_light_point in the point's own measure
     bool delta;  ///< punctual: scattering can never find it
+    vec3 absorption;  ///< sigma_a on x's side of the light's surface, 1/m
 };
 
 LightPoint point_on_triangle(uint instance, uint triangle, vec2 barycentrics)
@@ -43,7 +44,7 @@ bool sample_light_point(vec4 u, out LightPoint point)
         return false;
     Light light = LightArray(SCENE.lights).at[index];
     if (light.type == LIGHT_TRIANGLE)
-        point = point_on_triangle(light.instance, light.triangle, sample_triangle(u.zw));
+        point = point_on_triangle(light.instance, light.triangle, sample_emission(light, u));
     else if (light.type == LIGHT_ENVIRONMENT)
         // A texel and a place in it need four fresh numbers: those of u, hashed.
         point = point_in_environment(sample_environment(unit_floats(pcg4d(floatBitsToUint(u)))));
@@ -65,10 +66,12 @@ LightEdge edge_to_triangle(LightPoint point, vec3 x, bool previous)
     e.wi = d / max(e.distance, 1e-30);
     float facing = dot(t.cross_product, e.wi);
     e.normal = normalize(facing < 0.0 ? t.cross_product : -t.cross_product);
-    e.radiance = triangle_emission(point.instance, point.index, point.place, facing < 0.0);
+    Emission emission = emit_from_triangle(point.instance, point.index, point.place, facing < 0.0);
+    e.radiance = emission.radiance;
+    e.absorption = emission.absorption;
     // d(omega) = |cos| dA / d^2 and dA = |cross_product| d(barycentrics).
     e.jacobian = distance2 > 0.0 ? abs(facing) / distance2 : 0.0;
-    e.light_pdf = triangle_light_pmf(point.instance, point.index) * BARYCENTRIC_PDF;
+    e.light_pdf = triangle_light_density(point.instance, point.index, point.place) * BARYCENTRIC_PDF;
     e.delta = false;
     return e;
 }
@@ -85,7 +88,13 @@ LightEdge edge_to_light(LightPoint point, vec3 x, bool previous)
     // A texel of the environment that sampling never takes can still be found by scattering; a light at x itself
     // cannot.
     float jacobian = s.delta && s.pdf <= 0.0 ? 0.0 : 1.0;
-    return LightEdge(s.wi, s.distance, s.position, s.normal, s.radiance, jacobian, s.pdf, s.delta);
+    return LightEdge(s.wi, s.distance, s.position, s.normal, s.radiance, jacobian, s.pdf, s.delta, s.absorption);
+}
+
+/// What is left of the light on its way along the edge to p.
+vec3 edge_transmittance(ShadingPoint p, LightEdge e)
+{
+    return transmittance_along(p, e.wi, e.distance, e.absorption);
 }
 
 /// Light that the edge sends to the camera by way of p's rough lobes, per unit of the point's measure; visibility not
@@ -96,7 +105,7 @@ vec3 direct_contribution(ShadingPoint p, LightEdge e)
     if (e.radiance == vec3(0.0) || e.jacobian <= 0.0 || !is_consistent(p, wi, e.wi))
         return vec3(0.0);
     vec3 f = bsdf_eval(p.bsdf, p.wo, wi, LOBE_ALL);
-    return f * abs(wi.z) * e.radiance * e.jacobian * transmittance_leaving(p, e.wi, e.distance);
+    return f * abs(wi.z) * e.radiance * e.jacobian * edge_transmittance(p, e);
 }
 
 /// From the surface point x, of geometric normal n, to the light point at the end of its edge.

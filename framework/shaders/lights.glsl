@@ -18,6 +18,8 @@ struct LightSample {
     bool delta;  ///< punctual: scattering can never find it
     vec3 position;  ///< of the point on the light, world space; not set where distance is infinite
     vec3 normal;  ///< geometric, on the front side; -wi for lights without a surface
+    vec3 absorption;  ///< sigma_a on x's side of the light's surface, 1/m
+    vec2 barycentrics;  ///< of the point on a triangle
 };
 
 /// A triangle in world space. `cross_product` is twice the area long and points to the front.
@@ -52,19 +54,15 @@ WorldTriangle world_triangle(uint instance, uint triangle)
     return place_triangle(placed, triangle, placed.objectToWorld);
 }
 
-/// Radiance that a triangle emits at a point of it, W/sr/m^2. `front`: seen from the side its winding faces.
-vec3 triangle_emission(uint instance, uint triangle, vec2 barycentrics, bool front)
-{
-    Mesh mesh = MeshArray(SCENE.meshes).at[InstanceArray(SCENE.instances).at[instance].mesh];
-    uint index_of_material = UintArray(SCENE.materialOfTriangle).at[mesh.firstTriangle + triangle];
-    Material material = MaterialArray(SCENE.materials).at[index_of_material];
-    if ((material.flags & MATERIAL_EMISSIVE) == 0u || (!front && (material.flags & MATERIAL_DOUBLE_SIDED) == 0u))
-        return vec3(0.0);
-    bool masked = (material.flags & MATERIAL_ALPHA_MASK) != 0u;
-    if (!masked && material.emissiveMap.index == INVALID_INDEX)
-        return material.emission;
+/// What a triangle sends to one side of it.
+struct Emission {
+    vec3 radiance;  ///< W/sr/m^2
+    vec3 absorption;  ///< sigma_a on that side, 1/m: behind the surface of a solid
+};
 
-    uvec3 index = Uvec3Array(SCENE.indices).at[mesh.firstTriangle + triangle] + mesh.firstVertex;
+/// The texture's part of an emitter's radiance; 0 where an alpha mask takes the surface away.
+vec3 textured_emission(Material material, uvec3 index, vec2 barycentrics)
+{
     vec3 weight = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
     AttributesArray attributes = AttributesArray(SCENE.attributes);
     vec2 uv0 = mat3x2(attributes.at[index.x].uv0, attributes.at[index.y].uv0, attributes.at[index.z].uv0) * weight;
@@ -72,21 +70,87 @@ vec3 triangle_emission(uint instance, uint triangle, vec2 barycentrics, bool fro
     float alpha = material.alpha;
     if (material.baseColorMap.index != INVALID_INDEX)
         alpha *= fetch_texture(material.baseColorMap, uv0, uv1).a;
-    if (masked && alpha < material.alphaCutoff)
+    if ((material.flags & MATERIAL_ALPHA_MASK) != 0u && alpha < material.alphaCutoff)
         return vec3(0.0);
-    if (material.emissiveMap.index == INVALID_INDEX)
-        return material.emission;
-    return material.emission * fetch_texture(material.emissiveMap, uv0, uv1).rgb;
+    return material.emissiveMap.index == INVALID_INDEX ? vec3(1.0) : fetch_texture(material.emissiveMap, uv0, uv1).rgb;
 }
 
-/// Probability that sample_light selects this triangle; 0 when it is no light.
-float triangle_light_pmf(uint instance, uint triangle)
+/// What a triangle emits at a point of it. `front`: to the side its winding faces.
+Emission emit_from_triangle(uint instance, uint triangle, vec2 barycentrics, bool front)
+{
+    Mesh mesh = MeshArray(SCENE.meshes).at[InstanceArray(SCENE.instances).at[instance].mesh];
+    uint index_of_material = UintArray(SCENE.materialOfTriangle).at[mesh.firstTriangle + triangle];
+    Material material = MaterialArray(SCENE.materials).at[index_of_material];
+    if ((material.flags & MATERIAL_EMISSIVE) == 0u || (!front && (material.flags & MATERIAL_DOUBLE_SIDED) == 0u))
+        return Emission(vec3(0.0), vec3(0.0));
+    Emission e = Emission(material.emission, front ? vec3(0.0) : material.absorption);
+    if ((material.flags & MATERIAL_ALPHA_MASK) != 0u || material.emissiveMap.index != INVALID_INDEX)
+        e.radiance *= textured_emission(
+            material, Uvec3Array(SCENE.indices).at[mesh.firstTriangle + triangle] + mesh.firstVertex, barycentrics);
+    return e;
+}
+
+/// Its radiance alone.
+vec3 triangle_emission(uint instance, uint triangle, vec2 barycentrics, bool front)
+{
+    return emit_from_triangle(instance, triangle, barycentrics, front).radiance;
+}
+
+/// Number of the part of a triangle, of side^2 equal ones, that a point lies in. The triangle is cut into upright and inverted small
+/// ones along its edges; part y * side + x is the upright one at column x of row y where x + y < side, and the inverted ones fill the
+/// other half of the square, turned about its middle.
+uint emission_part(vec2 barycentrics, uint side)
+{
+    ivec2 last = ivec2(int(side) - 1);
+    vec2 place = barycentrics * float(side);
+    ivec2 cell = clamp(ivec2(floor(place)), ivec2(0), last);
+    cell.y = min(cell.y, last.x - cell.x);
+    vec2 inside = place - vec2(cell);
+    if (inside.x + inside.y > 1.0 && cell.x + cell.y < last.x)
+        cell = last - cell;
+    return uint(cell.y) * side + uint(cell.x);
+}
+
+/// A uniform point of a part.
+vec2 sample_part(uint part, uint side, vec2 u)
+{
+    uvec2 cell = uvec2(part % side, part / side);
+    vec2 inside = sample_triangle(u);
+    vec2 place = cell.x + cell.y < side ? vec2(cell) + inside : vec2(uvec2(side) - cell) - inside;
+    return place / float(side);
+}
+
+/// Density with which points of a triangle light are drawn, over that of uniform ones.
+float emission_density(Light light, vec2 barycentrics)
+{
+    if (light.cells == INVALID_INDEX)
+        return 1.0;
+    return ImportanceCellArray(SCENE.emissionCells).at[light.cells + emission_part(barycentrics, light.cellsASide)].pdf;
+}
+
+/// A point of a triangle light: uniform, or where a texture makes it bright. The latter needs four numbers: those of u, hashed.
+vec2 sample_emission(Light light, vec4 u)
+{
+    if (light.cells == INVALID_INDEX)
+        return sample_triangle(u.zw);
+    vec4 fresh = unit_floats(pcg4d(floatBitsToUint(u)));
+    uint side = light.cellsASide;
+    uint part = sample_cell(ImportanceCellArray(SCENE.emissionCells), light.cells, side * side, fresh.xy);
+    return sample_part(part, side, fresh.zw);
+}
+
+/// Density with which sample_light takes this point of a triangle, selection included, over that of uniform points of the triangle;
+/// 0 when it is no light.
+float triangle_light_density(uint instance, uint triangle, vec2 barycentrics)
 {
     uint base = InstanceArray(SCENE.instances).at[instance].lightMap;
     if (base == INVALID_INDEX)
         return 0.0;
-    uint light = UintArray(SCENE.lightOfTriangle).at[base + triangle];
-    return light == INVALID_INDEX ? 0.0 : LightArray(SCENE.lights).at[light].pmf;
+    uint index = UintArray(SCENE.lightOfTriangle).at[base + triangle];
+    if (index == INVALID_INDEX)
+        return 0.0;
+    Light light = LightArray(SCENE.lights).at[index];
+    return light.pmf * emission_density(light, barycentrics);
 }
 
 /// Uniform density over a triangle's area as seen from x at its point y, 1/sr: d^2 / (A |cos|).
@@ -99,10 +163,10 @@ float triangle_solid_angle_pdf(WorldTriangle t, vec3 x, vec3 y)
 }
 
 /// Density with which sample_light from x takes the point y of a triangle that scattering has hit, 1/sr. For MIS.
-float light_pdf_triangle(uint instance, uint triangle, vec3 x, vec3 y)
+float light_pdf_triangle(uint instance, uint triangle, vec2 barycentrics, vec3 x, vec3 y)
 {
-    float pmf = triangle_light_pmf(instance, triangle);
-    return pmf > 0.0 ? pmf * triangle_solid_angle_pdf(world_triangle(instance, triangle), x, y) : 0.0;
+    float density = triangle_light_density(instance, triangle, barycentrics);
+    return density > 0.0 ? density * triangle_solid_angle_pdf(world_triangle(instance, triangle), x, y) : 0.0;
 }
 
 /// Density with which sample_light takes the environment in direction wi, 1/sr. For MIS.
@@ -125,7 +189,7 @@ float spot_attenuation(Light light, vec3 wi)
 
 LightSample no_light_sample(uint light)
 {
-    return LightSample(vec3(0.0, 0.0, 1.0), 0.0, vec3(0.0), 0.0, light, false, vec3(0.0), vec3(0.0, 0.0, -1.0));
+    return LightSample(vec3(0.0, 0.0, 1.0), 0.0, vec3(0.0), 0.0, light, false, vec3(0.0), vec3(0.0, 0.0, -1.0), vec3(0.0), vec2(0.0));
 }
 
 /// The given point of a triangle light, seen from x.
@@ -140,8 +204,11 @@ LightSample connect_triangle_light(uint index, Light light, vec2 barycentrics, v
         return s;
     s.wi = d / s.distance;
     s.normal = normalize(t.cross_product);
-    s.radiance = triangle_emission(light.instance, light.triangle, barycentrics, dot(s.normal, s.wi) < 0.0);
-    s.pdf = light.pmf * triangle_solid_angle_pdf(t, x, s.position);
+    Emission emission = emit_from_triangle(light.instance, light.triangle, barycentrics, dot(s.normal, s.wi) < 0.0);
+    s.radiance = emission.radiance;
+    s.absorption = emission.absorption;
+    s.barycentrics = barycentrics;
+    s.pdf = light.pmf * emission_density(light, barycentrics) * triangle_solid_angle_pdf(t, x, s.position);
     return s;
 }
 
@@ -173,7 +240,7 @@ LightSample connect_environment(vec3 wi)
 {
     vec3 radiance = environment_radiance(wi);
     float pdf = light_pdf_environment(wi);
-    return LightSample(wi, INFINITE_DISTANCE, radiance, pdf, SCENE.environmentLight, false, vec3(0.0), -wi);
+    return LightSample(wi, INFINITE_DISTANCE, radiance, pdf, SCENE.environmentLight, false, vec3(0.0), -wi, vec3(0.0), vec2(0.0));
 }
 
 /// The light that two random numbers select, by the power-weighted alias table; INVALID_INDEX: the scene has none.
@@ -194,7 +261,7 @@ LightSample sample_light(vec3 x, vec4 u)
         return no_light_sample(index);
     Light light = LightArray(SCENE.lights).at[index];
     if (light.type == LIGHT_TRIANGLE)
-        return connect_triangle_light(index, light, sample_triangle(u.zw), x);
+        return connect_triangle_light(index, light, sample_emission(light, u), x);
     if (light.type != LIGHT_ENVIRONMENT)
         return connect_punctual_light(index, light, x);
     // The environment needs four fresh numbers (texel, place in it): those of u, hashed.

@@ -127,7 +127,7 @@ bool connect_to_light(PathReservoir r, PartialPath path, out Connection c)
     if (e.radiance == vec3(0.0) || e.jacobian <= 0.0 || !is_consistent(p, wi, e.wi))
         return false;
     uint lobes = label_lobes(p.bsdf, path_label(r.labels, path_edges(r) - 1u));
-    c.f = path.f * bsdf_eval(p.bsdf, p.wo, wi, lobes) * abs(wi.z) * e.radiance * transmittance_leaving(p, e.wi, e.distance);
+    c.f = path.f * bsdf_eval(p.bsdf, p.wo, wi, lobes) * abs(wi.z) * e.radiance * edge_transmittance(p, e);
     return c.f != vec3(0.0);
 }
 

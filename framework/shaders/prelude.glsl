@@ -6,7 +6,6 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
-#extension GL_EXT_nonuniform_qualifier : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_null_initializer : require
 

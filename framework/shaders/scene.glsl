@@ -1,8 +1,8 @@
-// The scene's arrays by device address, and its textures.
+// The scene's arrays by device address.
 #ifndef RESTIRPG_SCENE_GLSL
 #define RESTIRPG_SCENE_GLSL
 
-#include "prelude.glsl"
+#include "texture.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vec3Array { vec3 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Uvec3Array { uvec3 at[]; };
@@ -12,18 +12,16 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Mat
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer MeshArray { Mesh at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer InstanceArray { Instance at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightArray { Light at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer EnvironmentCellArray { EnvironmentCell at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ImportanceCellArray { ImportanceCell at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer HitArray { Hit at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FloatImage { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Vec3Image { vec3 at[]; };
 
-layout(set = 0, binding = 1) uniform sampler2D textures[];
-
-/// Textures are always read at mip 0: a replayed path must see the texels that the first trace saw.
+/// A material's texture at the surface's coordinates.
 vec4 fetch_texture(TextureRef map, vec2 uv0, vec2 uv1)
 {
     vec3 uv = vec3(map.uvSet == 0u ? uv0 : uv1, 1.0);
-    return textureLod(textures[nonuniformEXT(map.index)], vec2(dot(map.row0, uv), dot(map.row1, uv)), 0.0);
+    return sample_texture(map.index, vec2(dot(map.row0, uv), dot(map.row1, uv)));
 }
 
 #endif

@@ -12,12 +12,30 @@ RESTIRPG_SHARED
 
 RESTIRPG_CONST INVALID_INDEX = 0xffffffffu;
 
+/// The texels of a texture, rows from the top.
+struct TextureImage {
+    Address texels;  ///< RGBA, 8 bits each, or vec4 with TEXTURE_FLOAT
+    uint64_t shape;  ///< width in the lowest TEXTURE_SIDE_BITS bits, then as many of height, then flags
+};
+
+RESTIRPG_CONST TEXTURE_SIDE_BITS = 24u;
+RESTIRPG_CONST TEXTURE_SIDE_MASK = (1u << TEXTURE_SIDE_BITS) - 1u;
+// The flags: a wrap mode along u and one along v in TEXTURE_WRAP_BITS each, and these.
+RESTIRPG_CONST TEXTURE_WRAP_BITS = 2u;
+RESTIRPG_CONST TEXTURE_WRAP_MASK = 3u;
+RESTIRPG_CONST TEXTURE_REPEAT = 0u;
+RESTIRPG_CONST TEXTURE_MIRROR = 1u;
+RESTIRPG_CONST TEXTURE_CLAMP = 2u;
+RESTIRPG_CONST TEXTURE_NEAREST = 16u;  ///< the nearest texel; else bilinear
+RESTIRPG_CONST TEXTURE_SRGB = 32u;  ///< r, g and b of the bytes are sRGB encoded
+RESTIRPG_CONST TEXTURE_FLOAT = 64u;
+
 /// A texture as a material refers to it: glTF textureInfo with KHR_texture_transform.
 /// uv' = vec2(dot(row0, vec3(uv, 1)), dot(row1, vec3(uv, 1))).
 struct TextureRef {
     vec3 row0;
     vec3 row1;
-    uint index;  ///< into the texture array; INVALID_INDEX: no texture
+    uint index;  ///< into SceneTable::textures; INVALID_INDEX: no texture
     uint uvSet;  ///< 0 or 1
 };
 
@@ -97,11 +115,13 @@ struct Light {
     vec3 intensity;  ///< point, spot: W/sr; directional: irradiance, W/m^2
     float cosInner;  ///< spot: KHR_lights_punctual cone
     float cosOuter;
+    uint cells;  ///< triangle: first of its parts in emissionCells; INVALID_INDEX: points are drawn uniformly
+    uint cellsASide;  ///< ... whose number is the square of this
 };
 
-/// One cell of the environment's alias table over texels.
-struct EnvironmentCell {
-    float pdf;  ///< probability density over the unit square of this texel
+/// One cell of an alias table over equal parts of a domain.
+struct ImportanceCell {
+    float pdf;  ///< probability density of this part, over that of a uniform distribution
     float aliasThreshold;
     uint alias;
 };
@@ -123,16 +143,18 @@ struct SceneTable {
     Address materialOfTriangle;  ///< uint per triangle
     Address materials;  ///< Material
     Address meshes;  ///< Mesh
+    Address textures;  ///< TextureImage
     Address instances;  ///< Instance
     Address lights;  ///< Light
     Address lightOfTriangle;  ///< uint, see Instance::lightMap
-    Address environmentCells;  ///< EnvironmentCell per texel, row by row; 0: constant
+    Address emissionCells;  ///< ImportanceCell, see Light::cells
+    Address environmentCells;  ///< ImportanceCell per texel, row by row; 0: constant
     Address tlasNodes;  ///< software back end: BvhNode[]
     Address bvhObjects;  ///< software back end: BvhObject[], in the order of the TLAS's leaves
     uint instanceCount;
-    uint lightCount;
+    uint lightCount;  ///< lights to select from; 0 also where none has power
     uint environmentLight;  ///< index of the environment in lights; INVALID_INDEX: none
-    uint environmentTexture;  ///< index into the texture array; INVALID_INDEX: constant
+    uint environmentTexture;  ///< index into textures; INVALID_INDEX: constant
     uvec2 environmentSize;  ///< texels
     vec3 environmentRadiance;  ///< constant radiance, or the texture's factor
     float environmentRotation;  ///< radians about +y

@@ -67,7 +67,7 @@ struct ShadingPoint {
     vec3 wo;  ///< in local_frame
     Bsdf bsdf;
     vec3 base_color;
-    vec3 absorption;  ///< sigma_a behind the surface, 1/m; zero unless it bounds a solid
+    vec3 absorption;  ///< sigma_a behind the surface, 1/m; zero unless its material is a solid's
     bool front;  ///< wo is on the side the winding faces
 };
 
@@ -133,7 +133,7 @@ ShadingPoint shade_surface(Surface s, vec3 wo)
     BsdfParameters parameters = evaluate_parameters(s, material, p.front);
     p.bsdf = make_bsdf(parameters);
     p.base_color = parameters.baseColor;
-    p.absorption = p.bsdf.solid ? material.absorption : vec3(0.0);
+    p.absorption = material.absorption;
     return p;
 }
 

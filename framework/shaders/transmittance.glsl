@@ -4,20 +4,25 @@
 
 #include "surface.glsl"
 
-/// Along a segment of `distance` metres that leaves p in the world direction wi.
-vec3 transmittance_leaving(ShadingPoint p, vec3 wi, float distance)
+/// Along a segment of `distance` metres that leaves p in the world direction wi: inside the solid that it leaves into, else by
+/// `arrival`, the absorption on the side of the surface that it ends on.
+vec3 transmittance_along(ShadingPoint p, vec3 wi, float distance, vec3 arrival)
 {
     bool inwards = (dot(p.normal, wi) > 0.0) != p.front;
-    return inwards && p.absorption != vec3(0.0) ? exp(-p.absorption * distance) : vec3(1.0);
+    vec3 absorption = inwards && p.absorption != vec3(0.0) ? p.absorption : arrival;
+    return absorption != vec3(0.0) ? exp(-absorption * distance) : vec3(1.0);
 }
 
-/// Along a segment between two surfaces: inside the solid that it leaves into, else inside the one that it arrives from.
+/// Towards a light without a surface.
+vec3 transmittance_leaving(ShadingPoint p, vec3 wi, float distance)
+{
+    return transmittance_along(p, wi, distance, vec3(0.0));
+}
+
+/// Between two surfaces.
 vec3 transmittance_between(ShadingPoint from, vec3 wi, float distance, ShadingPoint to)
 {
-    bool inwards = (dot(from.normal, wi) > 0.0) != from.front;
-    if (inwards && from.absorption != vec3(0.0))
-        return exp(-from.absorption * distance);
-    return !to.front && to.absorption != vec3(0.0) ? exp(-to.absorption * distance) : vec3(1.0);
+    return transmittance_along(from, wi, distance, to.front ? vec3(0.0) : to.absorption);
 }
 
 #endif

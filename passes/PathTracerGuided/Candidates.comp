@@ -151,7 +151,7 @@ void offer_light_sample(Tree tree, Vertex v, uint u, RandomKey key, RandomKey ch
         return;
     Bounce bounce = Bounce(label, false, local, e.wi, label_value(v, label, local), 0.0, 1.0);
     float density = e.light_pdf / e.jacobian * shares[label] + (e.delta ? 0.0 : label_density(v, label, local, e.wi));
-    vec3 light = e.radiance * transmittance_leaving(p, e.wi, e.distance);
+    vec3 light = e.radiance * edge_transmittance(p, e);
     PathReservoir path = end_path(tree, v, u, bounce, point, e, light);
     if (offer(path, luminance(path.f) * tree.inverse_pdf / density, numbers.y))
         keep_last_vertex(record_bounce(v.point, v.material, label, e.wi, bounce.value), true);

@@ -30,13 +30,13 @@ vec3 estimate_direct(Vertex v, vec4 u)
     if (!lit)
         return vec3(0.0);
     float weight = light.delta ? 1.0 : balance_heuristic(light.pdf, scatter_pdf(v, wi, light.wi));
-    return f * abs(wi.z) * light.radiance * (weight / light.pdf) * transmittance_leaving(p, light.wi, light.distance);
+    return f * abs(wi.z) * light.radiance * (weight / light.pdf) * transmittance_along(p, light.wi, light.distance, light.absorption);
 }
 
 /// The density with which next event estimation from x would have found the emitter that scattering hit.
 float light_pdf(bool found, Hit hit, vec3 x, vec3 y, vec3 wi)
 {
-    return found ? light_pdf_triangle(hit.instance, hit.triangle, x, y) : light_pdf_environment(wi);
+    return found ? light_pdf_triangle(hit.instance, hit.triangle, hit.barycentrics, x, y) : light_pdf_environment(wi);
 }
 
 /// Light scattered at the primary hit towards the camera: one path, NEE at every vertex, emission found by scattering.

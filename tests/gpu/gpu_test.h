@@ -2,7 +2,7 @@
 #pragma once
 
 #include "gpu/kernel.h"
-#include "gpu/texture.h"
+#include "gpu/binding_set.h"
 
 #include <gtest/gtest.h>
 
@@ -43,9 +43,9 @@ void run(const std::string& name, const Parameters& parameters, uint32_t threads
 {
     static_assert(sizeof(Parameters) <= MAX_PARAMETER_BYTES);
     const Kernel& compiled = kernel(name);
-    static BindingSet noTextures(device(), {});
+    static BindingSet noScene(device());
     device().submit([&](VkCommandBuffer commands) {
-        (bindings ? *bindings : noTextures).bind(commands);
+        (bindings ? *bindings : noScene).bind(commands);
         compiled.dispatch(commands, &parameters, sizeof(parameters), threads);
     });
 }

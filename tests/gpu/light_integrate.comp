@@ -31,7 +31,7 @@ vec2 triangles_at(vec3 d)
             if (!intersect(t, test.x, d, hit))
                 continue;
             vec3 emission = triangle_emission(i, k, hit.xy, dot(t.cross_product, d) < 0.0);
-            sum += vec2(light_pdf_triangle(i, k, test.x, test.x + hit.z * d), luminance(emission));
+            sum += vec2(light_pdf_triangle(i, k, hit.xy, test.x, test.x + hit.z * d), luminance(emission));
         }
     }
     return sum;

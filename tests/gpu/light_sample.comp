@@ -23,8 +23,9 @@ float pdf_for_mis(LightSample s)
     if (test.technique == SAMPLE_ENVIRONMENT)
         return pdf_environment(s.wi);
     Light light = LightArray(SCENE.lights).at[s.light];
-    return light.type == LIGHT_ENVIRONMENT ? light_pdf_environment(s.wi)
-                                           : light_pdf_triangle(light.instance, light.triangle, test.x, s.position);
+    if (light.type == LIGHT_ENVIRONMENT)
+        return light_pdf_environment(s.wi);
+    return light_pdf_triangle(light.instance, light.triangle, s.barycentrics, test.x, s.position);
 }
 
 void main()

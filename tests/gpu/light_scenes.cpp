@@ -105,6 +105,34 @@ Scene triangleLightScene()
     return scene;
 }
 
+Scene signScene()
+{
+    using Wrap = Texture::Wrap;
+    Scene scene;
+    Texture sign;
+    sign.name = "sign";
+    sign.width = 12;
+    sign.height = 6;
+    sign.srgb = true;
+    for (uint32_t i = 0; i < sign.width * sign.height; ++i) {
+        const uint8_t level = i % 12 == 3 ? 255 : i == 40 ? 230 : 0;
+        sign.bytes.insert(sign.bytes.end(), {level, uint8_t(level / 2), level, 255});
+    }
+    for (const Wrap wrap : {Wrap::repeat, Wrap::mirroredRepeat, Wrap::clampToEdge}) {
+        sign.wrapU = sign.wrapV = wrap;
+        sign.filter = wrap == Wrap::repeat ? Texture::Filter::nearest : Texture::Filter::linear;
+        Material material = emitter({3, 2, 1}, MATERIAL_EMISSIVE | MATERIAL_DOUBLE_SIDED);
+        material.emissiveMap = {{2.0f, 0.3f, -0.4f}, {-0.2f, 1.5f, -0.3f}, uint32_t(scene.textures.size()), 0};
+        scene.textures.push_back(sign);
+        scene.materials.push_back(material);
+    }
+    addTriangles(scene, {{{{-2, -2, 2}, {0, 2, 2}, {2, -2, 2.5f}}},
+                         {{{3, -2, -2}, {3, 2, 0}, {2.5f, -2, 2}}},
+                         {{{-3, 1, -2}, {-1, 3, 1}, {-3, -1, 2.5f}}}});
+    addInstance(scene, glm::mat4(1));
+    return scene;
+}
+
 Scene darkScene()
 {
     Scene scene;

@@ -9,6 +9,9 @@ namespace restirpg::test {
 /// instance around the origin; no other light.
 Scene triangleLightScene();
 
+/// Large double-sided triangles whose textures light a few places of them only: filtered and not, with every wrap mode.
+Scene signScene();
+
 /// A scene without a light: one small black triangle far away, since a scene must have geometry.
 Scene darkScene();
 

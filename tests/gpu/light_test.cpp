@@ -107,6 +107,7 @@ const std::vector<std::unique_ptr<Prepared>>& scenes()
         everything.environment = sunnySky();
         std::vector<std::unique_ptr<Prepared>> made;
         made.push_back(std::make_unique<Prepared>("triangles", triangleLightScene(), SAMPLE_LIGHTS));
+        made.push_back(std::make_unique<Prepared>("textured emitters", signScene(), SAMPLE_LIGHTS));
         made.push_back(std::make_unique<Prepared>("sky", sky, SAMPLE_ENVIRONMENT));
         made.push_back(std::make_unique<Prepared>("constant environment", constant, SAMPLE_ENVIRONMENT));
         made.push_back(std::make_unique<Prepared>("everything", everything, SAMPLE_LIGHTS));

@@ -5,7 +5,7 @@ restirpg_test(bsdf_test
     SOURCES gpu/bsdf_test.cpp gpu/bsdf_energy_test.cpp gpu/bsdf_cases.cpp
     LINKS restirpg_core restirpg_gpu)
 restirpg_test(light_test
-    SOURCES gpu/light_test.cpp gpu/light_values_test.cpp gpu/light_scenes.cpp
+    SOURCES gpu/light_test.cpp gpu/light_values_test.cpp gpu/texture_test.cpp gpu/light_scenes.cpp
     LINKS restirpg)
 restirpg_test(random_test
     SOURCES gpu/random_test.cpp

@@ -48,9 +48,9 @@ std::vector<Value> measure(const std::string& name, uint32_t threads, uint32_t v
                                {{"guide_module.glsl", source + "/passes/GuidingFit/guide.glsl"}});
     const Buffer results = target.createBuffer(std::vector<Value>(values), "results");
     test.results = results.address();
-    const BindingSet noTextures(target, {});
+    const BindingSet noScene(target);
     target.submit([&](VkCommandBuffer commands) {
-        noTextures.bind(commands);
+        noScene.bind(commands);
         kernels[name].dispatch(commands, &test, sizeof(test), threads);
     });
     return target.download<Value>(results, values);

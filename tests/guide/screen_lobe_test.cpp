@@ -68,9 +68,9 @@ std::vector<Value> measure(const std::string& kernel, uint32_t threads, uint32_t
     const Buffer guide = target.createBuffer(std::vector{lobe.lobe}, "lobe");
     const Buffer results = target.createBuffer(values * sizeof(Value), "results");
     const LobeCase test{frame.address(), guide.address(), results.address(), lobe.normal, lobe.zoom, 7, error};
-    const BindingSet noTextures(target, {});
+    const BindingSet noScene(target);
     target.submit([&](VkCommandBuffer commands) {
-        noTextures.bind(commands);
+        noScene.bind(commands);
         kernels[kernel].dispatch(commands, &test, sizeof(test), threads);
     });
     return target.download<Value>(results, values);
