@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compare the path tracer with Mitsuba 3: block means of independent runs, tested for equality (ALGORITHMS O14).
+"""Compare the path tracer with Mitsuba 3: block means of independent runs, tested for equality.
 
     compare_with_mitsuba.py SCENE.glb ... --mitsuba-python VENV/bin/python [--diffuse] [--size 64x64] [--bounces 8]
 

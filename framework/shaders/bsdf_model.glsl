@@ -26,9 +26,9 @@ const uint LOBE_ALL = 7u;
 /// Linear roughness below which REFLECT and TRANSMIT are exact delta lobes (Mitsuba's reference scenes switch at the
 /// same place).
 const float DELTA_ROUGHNESS = 0.03;
-/// Linear roughness up to which they are "sharp": their own label, never guided, never reconnected (ALGORITHMS O1).
+/// Linear roughness up to which they are "sharp": their own label, never guided, never reconnected [shaders/README: Labels].
 const float SHARP_ROUGHNESS = 0.2;
-/// A rough lobe that can be non-zero is chosen at least this often, so that no weight grows without bound (O19).
+/// A rough lobe that can be non-zero is chosen at least this often, so that no weight grows without bound [shaders/README: Labels].
 const float MIN_LOBE_PROBABILITY = 0.05;
 /// Below this |ior - 1| a surface is invisible: the half vector of refraction has no digits left.
 const float INDEX_MATCHED = 1e-3;

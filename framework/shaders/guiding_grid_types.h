@@ -2,7 +2,7 @@
 //
 // Two buffers have this form, each a GuidingHeader, then `capacity` keys (64 bits, 0: empty slot), then one record a slot:
 // statistics (GuidingSums, then GuidingPlaceSums) as GuidingSplat adds them up in a frame, and the guide (GuidingCell, then
-// GuidingMemory) that GuidingFit makes of them. Each frame has fresh ones: nothing is ever mutated in place (ALGORITHMS O8).
+// GuidingMemory) that GuidingFit makes of them. Each frame has fresh ones: nothing is ever mutated in place [shaders/README: The guiding grid].
 #ifndef RESTIRPG_GUIDING_GRID_TYPES_H
 #define RESTIRPG_GUIDING_GRID_TYPES_H
 #include "scene_types.h"
@@ -12,7 +12,7 @@ RESTIRPG_SHARED
 RESTIRPG_CONST GUIDING_LOBES = 4u;
 /// Slots tried for a key, from its own on.
 RESTIRPG_CONST GUIDING_PROBES = 32u;
-/// Fractional bits of the sums: integers, so that the order of the atomics does not matter (ALGORITHMS O9).
+/// Fractional bits of the sums: integers, so that the order of the atomics does not matter [shaders/README: Fixed point].
 RESTIRPG_CONST GUIDING_FRACTION_BITS = 24u;
 /// Most that one sample weighs.
 RESTIRPG_CONST GUIDING_LARGEST_WEIGHT = 65536u;

@@ -1,4 +1,4 @@
-// Labels of a bounce (ALGORITHMS O1): all smooth lobes together, or one sharp lobe. A label is drawn first, from the
+// Labels of a bounce [shaders/README: Labels]: all smooth lobes together, or one sharp lobe. A label is drawn first, from the
 // BSDF alone, and is part of the path.
 #ifndef RESTIRPG_LABELS_GLSL
 #define RESTIRPG_LABELS_GLSL

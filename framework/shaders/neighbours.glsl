@@ -31,7 +31,7 @@ bool find_previous_pixel(uvec2 at, vec2 motion, vec2 u, out uint pixel)
 }
 
 /// Radius in pixels of this image of a disk of neighbours whose radius is given in pixels of an image of 1080 lines; never so small that no
-/// neighbours are left (ALGORITHMS O10).
+/// neighbours are left [shaders/README: Sizes relative to the image].
 float disk_radius(float radius_at_1080)
 {
     const float LEAST_RADIUS = 3.0;

@@ -51,7 +51,7 @@ uint set_path_label(uint labels, uint bounce, uint label)
     return (labels & ~(3u << shift)) | (label << shift);
 }
 
-/// May the edge between two surface vertices reconnect? By the labels of its two ends and its length (O3).
+/// May the edge between two surface vertices reconnect? By the labels of its two ends and its length [shaders/README: What may reconnect].
 bool is_connectable(uint label_before, uint label_after, float edge_length)
 {
     return label_before == LABEL_SMOOTH && label_after == LABEL_SMOOTH && edge_length >= NEAR_FIELD * SCENE.radius;

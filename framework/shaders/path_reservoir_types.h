@@ -4,7 +4,7 @@
 #include "scene_types.h"
 RESTIRPG_SHARED
 
-/// One path x_0 (camera), x_1 (primary hit), ..., x_D (light) chosen by resampling, as its pixel sees it (ALGORITHMS O17, variant U).
+/// One path x_0 (camera), x_1 (primary hit), ..., x_D (light) chosen by resampling, as its pixel sees it [shaders/README: The shift and its Jacobian].
 /// k is the index of the reconnection vertex: 2 <= k < D a surface, k = D the light point, k = 0 none (the last bounce is a delta).
 /// Bounces 1 ... k - 2 (k = 0: all) are replayed when the path is shifted. All zero: empty. 92 bytes.
 struct PathReservoir {
@@ -24,7 +24,7 @@ struct PathReservoir {
     vec3 suffix;  ///< 0 < k < D: everything beyond the bounce at x_k: bounces, absorption, light
 };
 
-/// Smooth bounces whose direction is kept; a path that would have to replay a later one cannot be shifted (O3).
+/// Smooth bounces whose direction is kept; a path that would have to replay a later one cannot be shifted [shaders/README: What may reconnect].
 RESTIRPG_CONST PATH_PREFIX = 4u;
 /// Longest path: labels of 16 bounces.
 RESTIRPG_CONST PATH_MAX_EDGES = 17u;

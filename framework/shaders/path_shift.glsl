@@ -1,4 +1,4 @@
-// The hybrid shift of ReSTIR PT, variant U (ALGORITHMS 5.5, 6.5): a path of one pixel becomes a path of another. Smooth bounces
+// The hybrid shift of ReSTIR PT [shaders/README: The shift and its Jacobian]: a path of one pixel becomes a path of another. Smooth bounces
 // before the reconnection copy their direction, sharp ones replay their random numbers, then the path reconnects to x_k and keeps
 // everything beyond it.  [Lin et al. 2022, "Generalized Resampled Importance Sampling", hybrid shift]
 //

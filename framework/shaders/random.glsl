@@ -1,5 +1,5 @@
 // Random numbers by address: every number is a pure function of (pixel, frame, seed, bounce, dimension), so that a path
-// can be replayed from its key and no branch can shift the numbers of a later decision (ALGORITHMS 5.7).
+// can be replayed from its key and no branch can shift the numbers of a later decision [shaders/README: Random numbers].
 #ifndef RESTIRPG_RANDOM_GLSL
 #define RESTIRPG_RANDOM_GLSL
 

@@ -1,4 +1,4 @@
-// The von Mises-Fisher distribution on the sphere (ALGORITHMS 2), stable from kappa = 0 to 32000 in single precision.
+// The von Mises-Fisher distribution on the sphere [shaders/README: The von Mises-Fisher distribution], stable from kappa = 0 to 32000 in single precision.
 #ifndef RESTIRPG_VMF_GLSL
 #define RESTIRPG_VMF_GLSL
 

@@ -1,4 +1,4 @@
-// A mixture of four von Mises-Fisher lobes, as vectors over the lobes (ALGORITHMS 2.4, 3).
+// A mixture of four von Mises-Fisher lobes, as vectors over the lobes [shaders/README: The MAP fit].
 #ifndef RESTIRPG_VMF_MIXTURE_GLSL
 #define RESTIRPG_VMF_MIXTURE_GLSL
 

@@ -16,7 +16,7 @@ float from_fixed(uint64_t lane)
     return float(int64_t(lane)) * (1.0 / float(1u << GUIDING_FRACTION_BITS));
 }
 
-/// The frame's sums, scaled so that the shares add up to the count of the samples: whatever unit the weights have (ALGORITHMS 3.1).
+/// The frame's sums, scaled so that the shares add up to the count of the samples: whatever unit the weights have [shaders/README: The MAP fit].
 GuidingMemory load_sums(uint slot)
 {
     GuidingSums s = guiding_sums(params.statistics, params.capacity).at[slot];
@@ -76,7 +76,7 @@ VmfMixture fit(GuidingMemory sums, VmfMixture before, uint64_t strangest)
     return idle < GUIDING_LOBES ? reseed_lobe(m, idle, unpack_direction(uint(strangest))) : m;
 }
 
-/// The weight of the BSDF among all components, within limits, so that neither is given up.  [ALGORITHMS 12.1]
+/// The weight of the BSDF among all components, within limits, so that neither is given up.  [shaders/README: Where alpha comes from]
 float fit_alpha(GuidingMemory sums)
 {
     return clamp((params.alphaPrior + sums.bsdf) / (2.0 * params.alphaPrior + sums.count), LEAST_ALPHA, 1.0 - LEAST_ALPHA);

@@ -1,4 +1,4 @@
-// The M-step: lobes from sufficient statistics, with priors.  [Ruppert et al. 2020, section 4; ALGORITHMS 3.2]
+// The M-step: lobes from sufficient statistics, with priors.  [Ruppert et al. 2020, section 4] [shaders/README: The MAP fit]
 #ifndef RESTIRPG_GUIDING_FIT_GLSL
 #define RESTIRPG_GUIDING_FIT_GLSL
 

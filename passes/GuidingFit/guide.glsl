@@ -16,7 +16,7 @@ vec4 lobe_normalizations(VmfMixture m)
     return vec4(vmf_normalization(m.kappa.x), vmf_normalization(m.kappa.y), vmf_normalization(m.kappa.z), vmf_normalization(m.kappa.w));
 }
 
-/// Each lobe times the cosine about the normal, normalised together: the product of two vMFs is one (ALGORITHMS 2.4).
+/// Each lobe times the cosine about the normal, normalised together: the product of two vMFs is one [shaders/README: The von Mises-Fisher distribution].
 void multiply_by_cosine(inout VmfMixture m, vec3 normal)
 {
     float cosine_normalization = vmf_normalization(COSINE_KAPPA);

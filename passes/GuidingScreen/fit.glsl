@@ -1,4 +1,4 @@
-// From weighted directions to moments, from moments to a lobe (ALGORITHMS 8.1).
+// From weighted directions to moments, from moments to a lobe [shaders/README: The lobe per pixel].
 #ifndef RESTIRPG_SCREEN_FIT_GLSL
 #define RESTIRPG_SCREEN_FIT_GLSL
 
@@ -8,7 +8,7 @@
 /// distribution's 1/12.
 const float SMALLEST_VARIANCE = 1e-4;
 const float LARGEST_VARIANCE = 0.1;
-/// The most concentrated vMF lobe, and the concentration below which it counts as uniform (ALGORITHMS 2.1, 8.1).
+/// The most concentrated vMF lobe, and the concentration below which it counts as uniform [shaders/README: The von Mises-Fisher distribution].
 const float LARGEST_KAPPA = 1e4;
 const float SMALLEST_KAPPA = 1e-3;
 /// Weights are kept between the inverse of this and this, so that their squares are finite and not zero.

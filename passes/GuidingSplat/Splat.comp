@@ -29,7 +29,7 @@ GuidingGrid current_grid()
     return grid;
 }
 
-/// Is the BSDF one of the mixture's components (ALGORITHMS 12.1)? The guide says so, from its first frame on.
+/// Is the BSDF one of the mixture's components [shaders/README: Where alpha comes from]? The guide says so, from its first frame on.
 bool learns_alpha()
 {
     return params.guide != 0ul && (GuidingHeaderRef(params.guide).at.options & GUIDING_ALPHA) != 0u;

@@ -10,7 +10,7 @@ layout(push_constant, scalar) uniform Push { PathTracerParameters params; };
 
 // Streaming RIS along one path tree: every vertex offers the path that ends there by a light sample, and the one that ends where
 // scattering meets an emitter. A path is its vertices and labels, whichever technique made it; both techniques' densities stand in
-// one balance heuristic (ALGORITHMS O1, O2, A.2).
+// one balance heuristic [shaders/README: One balance heuristic over both endings].
 
 /// The path traced so far. `path` is a reservoir whose labels, prefix and (once k is known) anchor are those of the prefix.
 struct Tree {
@@ -237,7 +237,7 @@ void trace_tree(Hit hit, uvec2 at)
     Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), at, 1u, true);
 
     for (uint u = 1u; u <= params.bounces + 1u; ++u) {
-        if (u > 1u && params.nextEventEstimation != 0u)  // direct light at x_1 is ReSTIR DI's, but for what delta lobes find (O5)
+        if (u > 1u && params.nextEventEstimation != 0u)  // direct light at x_1 is ReSTIR DI's, but for what delta lobes find [shaders/README: Who owns which light]
             offer_light_sample(tree, v, u, key, choices);
         Bounce s = scatter_labelled(v, key, u);
         if (RESTIRPG_FAULT == TREE_FAULT_LABEL_PROBABILITY)

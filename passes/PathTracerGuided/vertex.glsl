@@ -32,7 +32,7 @@ Vertex make_vertex(Surface surface, vec3 wo, uvec2 pixel, uint bounce, bool scat
     return v;
 }
 
-/// A direction of the guide. Over an opaque surface what points below it is reflected, so that no sample is lost (ALGORITHMS 5.2).
+/// A direction of the guide. Over an opaque surface what points below it is reflected, so that no sample is lost [shaders/README: Guided sampling].
 vec3 sample_guided(Vertex v, vec3 u)
 {
     vec3 w = guide_sample(v.guide, u);

@@ -1,6 +1,6 @@
 // The pixel's own candidates: points sampled on lights and points that scattering finds, resampled to one by the light
 // they would send without occlusion; then one shadow ray.  [Bitterli et al. 2020, algorithm 3; the mixture's density:
-// ALGORITHMS 7.2]
+// Veach's balance heuristic over light and BSDF samples]
 #version 460
 #include "prelude.glsl"
 #include "merge.glsl"

@@ -1,5 +1,5 @@
 // Merging reservoirs of several pixels into one: generalised resampled importance sampling with light points that are
-// shared as they are.  [Lin et al. 2022, "Generalized Resampled Importance Sampling"; MIS weights: ALGORITHMS 6.7]
+// shared as they are.  [Lin et al. 2022, "Generalized Resampled Importance Sampling"; MIS weights: shaders/README]
 //
 // The participants are the centre (the pixel itself) and its neighbours (other pixels of this frame, or one of the
 // frame before). A participant's domain is its surface as its own camera sees it; its target is the luminance that a

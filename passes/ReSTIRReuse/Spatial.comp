@@ -1,5 +1,5 @@
-// One round of merging each pixel's reservoir with those of pixels around it, by defensive pairwise MIS with confidences (ALGORITHMS
-// 6.7): a neighbour competes with the centre alone, so that n neighbours take 2 n shifts.
+// One round of merging each pixel's reservoir with those of pixels around it, by defensive pairwise MIS with confidences
+// [shaders/README: MIS weights]: a neighbour competes with the centre alone, so that n neighbours take 2 n shifts.
 #version 460
 #include "prelude.glsl"
 #include "merge.glsl"

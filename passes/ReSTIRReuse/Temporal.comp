@@ -1,5 +1,5 @@
 // Merges each pixel's candidate with the reservoir of the pixel that showed the same surface in the frame before, by the balance
-// heuristic over the two domains (ALGORITHMS A.4).
+// heuristic over the two domains [shaders/README: MIS weights].
 #version 460
 #include "prelude.glsl"
 #include "merge.glsl"

@@ -164,7 +164,7 @@ class Mixture:
     weight: np.ndarray
 
     def log_lobes(self, w):
-        """log(pi_k v_k(w)), (n, 4).  [ALGORITHMS 2.1]"""
+        """log(pi_k v_k(w)), (n, 4).  [shaders/README: The von Mises-Fisher distribution]"""
         k = np.maximum(self.kappa, 1e-12)
         normalization = np.log(k / (2 * np.pi * -np.expm1(-2 * k)))
         distance = ((w[:, None] - self.mu) ** 2).sum(-1)
@@ -174,7 +174,7 @@ class Mixture:
         return np.logaddexp.reduce(self.log_lobes(w), -1)
 
     def shares(self, w):
-        """Responsibilities, (n, 4).  [ALGORITHMS 3.1]"""
+        """Responsibilities, (n, 4).  [shaders/README: The E-step]"""
         return np.exp(self.log_lobes(w) - self.log_density(w)[:, None])
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-LEVEL = 0.01  # of a whole family of tests: one false alarm in a hundred reports (ALGORITHMS O14)
+LEVEL = 0.01  # of a whole family of tests: one false alarm in a hundred reports
 POWER = 0.8  # with which the "smallest detectable" difference would have been found
 
 
@@ -127,7 +127,7 @@ def block_means(images, size=8):
 
 
 def block_correlation(images, size=8):
-    """Variance of block means over the variance they would have if pixels were independent (ALGORITHMS 10.4).
+    """Variance of block means over the variance they would have if pixels were independent.
 
     `images`: (runs, H, W) of independent runs. 1: independent pixels; size^2: each block moves as one.
     Returns the ratio of the sums over all blocks, and its standard error by the jackknife over runs; NaN for

@@ -1,4 +1,4 @@
-"""Is a method's mean the path tracer's? Independent runs, block means and their tests (ALGORITHMS O14, T1).
+"""Is a method's mean the path tracer's? Independent runs, block means and their tests.
 
 A run begins with a seed of its own and without history, and frame k of each run is one sample: frames of one
 run are correlated. Null hypothesis: the mean over runs of the image, and of every block of pixels, is the
@@ -82,7 +82,7 @@ class Verdict:
 
 
 def run_seed(run, *parts):
-    """The seed of a run, hashed: consecutive seeds are no independent ones everywhere (ALGORITHMS O22)."""
+    """The seed of a run, hashed: consecutive seeds are no independent ones everywhere."""
     return seed_of("unbiased", *parts, run)
 
 

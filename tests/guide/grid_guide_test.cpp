@@ -102,7 +102,7 @@ ChiSquare compare(const std::vector<uint32_t>& counts, const std::vector<double>
     return chiSquare(counts, expected);
 }
 
-/// The textbook's vMF density (ALGORITHMS 2.1).
+/// The textbook's vMF density [shaders/README: The von Mises-Fisher distribution].
 double vmf(const glm::dvec3& w, const glm::dvec3& mu, double kappa)
 {
     if (kappa == 0)

@@ -1,5 +1,5 @@
 """GuidingFit in NumPy and double precision: the M-step, what cells remember, which live on. Written from
-ALGORITHMS 3.2 to 3.5.
+[shaders/README: The MAP fit].
 
 A cell that has fewer samples than the knob `minimum` keeps its lobes and, with `pool`, its samples; one that
 has enough is fitted, and its sums weigh `decay` in the next frame. Cells without samples live on for `oldest`
@@ -28,7 +28,7 @@ BSDF, COUNT = 16, 17  # places in a memory, after the sums
 
 def m_step(sums, count, before, knobs):
     """The MAP mixture of sums (4, 4) over `count` samples, of the first `lobes` lobes; what the others
-    explained counts for those.  [ALGORITHMS 3.2]"""
+    explained counts for those.  [shaders/README: The MAP fit]"""
     lobes = knobs["lobes"]
     sums = np.array([sums[k::lobes].sum(0) if k < lobes else np.zeros(4) for k in range(LOBES)])
     share = sums[:, 3]
@@ -45,7 +45,7 @@ def m_step(sums, count, before, knobs):
 
 def reseed(m, strangest, lobes):
     """Move the lightest of the first `lobes` lobes that is below 2% or another's twin (cosine above 0.999,
-    kappas within 1.5 times) to the direction `strangest`.  [ALGORITHMS 3.4] Returns the mixture, and by how
+    kappas within 1.5 times) to the direction `strangest`.  [shaders/README: The MAP fit] Returns the mixture, and by how
     little a threshold was passed or missed."""
     mu, kappa, weight = m.mu[:lobes], m.kappa[:lobes], m.weight[:lobes]
     cosines = mu @ mu.T
@@ -86,7 +86,7 @@ def memory_of(record):
 
 def batch_of(sums, places):
     """A frame's sums as a memory (25,), scaled so that the shares add up to the count of the samples.
-    [ALGORITHMS 3.1]"""
+    [shaders/README: The E-step]"""
     batch = np.r_[
         sums["lanes"] / ONE, sums["bsdf"] / ONE, sums["count"],
         places["lanes"] / ONE if places is not None else np.zeros(7),

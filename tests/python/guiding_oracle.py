@@ -1,5 +1,5 @@
-"""The guiding grid in NumPy and double precision: keys, E-step and M-step, written from ALGORITHMS' equations
-on what harness.guiding reads, without a line of the kernels.
+"""The guiding grid in NumPy and double precision: keys, E-step and M-step, written from the equations of
+framework/shaders/README.md on what harness.guiding reads, without a line of the kernels.
 
 Tables are dictionaries from key to record; how the GPU's hash table places them is checked by
 `slots_are_reachable`.
@@ -83,7 +83,7 @@ def face_normals(face):
 
 
 def new_mixture(normal):
-    """Fibonacci set over the hemisphere of a face, kappa 3, equal weights.  [ALGORITHMS 3.4; frame: Duff et
+    """Fibonacci set over the hemisphere of a face, kappa 3, equal weights.  [shaders/README: The MAP fit] [frame: Duff et
     al. 2017]"""
     k = np.arange(LOBES)
     z, phi = 1 - (k + 0.5) / LOBES, np.pi * (3 - np.sqrt(5)) * k
@@ -127,7 +127,7 @@ class CellSums:
 
 def e_step(samples, grid, before, cells, learns_alpha):
     """{key: CellSums} of a frame's samples (SAMPLE), against the guide of the frame before: its grid and
-    {key: (CELL, ...)}. `learns_alpha`: the BSDF is a component, too.  [ALGORITHMS 12.1]"""
+    {key: (CELL, ...)}. `learns_alpha`: the BSDF is a component, too.  [shaders/README: Where alpha comes from]"""
     used = samples[is_valid(samples) & (samples["weight"] > 0)]
     points = grid.positions(used["position"])
     keys, doubtful = grid.keys(points, vertex_face(used), used["surface"] & 0xFFFF)

@@ -1,4 +1,4 @@
-"""Energy is flat over what ReSTIR PT reuses (ALGORITHMS T2): rounds, neighbours and cap change the noise, never the mean.
+"""Energy is flat over what ReSTIR PT reuses: rounds, neighbours and cap change the noise, never the mean.
 
 Null hypothesis: the path tracer and all SETTINGS have one image mean (indirect light of the diffuse Cornell box). Chi-square
 over their means, of RUNS runs each of which frame FRAME is one sample; a false alarm of 1%. Darkening with rounds is a mistake in

@@ -1,4 +1,4 @@
-"""Furnaces (ALGORITHMS O13): scenes of one radiance everywhere, which the path tracer must reproduce.
+"""Furnaces: scenes of one radiance everywhere, which the path tracer must reproduce.
 
 Null hypothesis of each case: the expected image mean is the analytic one; 16 runs of 4 frames at 16 x 16. Three standard errors
 with 15 degrees of freedom are a false alarm of 0.9% a case, but the seeds are fixed: a case that passes keeps passing.

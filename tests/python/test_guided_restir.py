@@ -1,4 +1,4 @@
-"""T9 (ALGORITHMS 11): a guide that is learnt from the very paths it then guides leaves the mean as it is, as
+"""A guide that is learnt from the very paths it then guides leaves the mean as it is, as
 do one that was frozen and one whose lobes, kappa 1000 in random directions, mean nothing.
 
 Null hypothesis: indirect light of the diffuse Cornell box has the path tracer's image mean. The mean over the

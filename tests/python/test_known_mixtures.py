@@ -146,7 +146,7 @@ def test_identical_samples_meet_the_largest_kappa(scene):  # noqa: F811
     assert np.isfinite(m.kappa).all() and np.isclose(m.weight.sum(), 1, atol=1e-5)
     assert 0.98 < m.kappa[best] / 32000 < 1.02 and m.mu[best] @ MU[0] > 1 - 1e-7
     cell = learner.render(4, concentration_prior=1.0)[1][0]
-    assert oracle.mixture_of(cell).kappa.max() < 1.1 * 2 * 4096  # kappa <= 2 n / prior (ALGORITHMS 3.2)
+    assert oracle.mixture_of(cell).kappa.max() < 1.1 * 2 * 4096  # kappa <= 2 n / prior [shaders/README: The MAP fit]
 
 
 def test_keys_that_collide_keep_cells_of_their_own(scene):  # noqa: F811

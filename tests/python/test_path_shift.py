@@ -4,10 +4,10 @@ No statistics: every path has to pass. Each of the classes below must have occur
 samples and by scattering. Tolerances are those of float32, several times the worst of 50,000 paths (in
 brackets):
 
-  T3 weights of a path over all who could hold it add up to 1 within 2e-3 (3e-4), 99.9% within 1e-5 (1e-6)
-  T4 there and back: f within 1e-2 (4e-3, a glossy lobe seen at grazing), 99% within 1e-4 (2e-5); J J' = 1
+  weights of a path over all who could hold it add up to 1 within 2e-3 (3e-4), 99.9% within 1e-5 (1e-6)
+  there and back: f within 1e-2 (4e-3, a glossy lobe seen at grazing), 99% within 1e-4 (2e-5); J J' = 1
      within 1e-4 (2e-5); nothing is lost on the way back; each domain classifies the path as it would its own
-  T5 J against finite differences: 98% within 1% (99% are within 0.5%; the rest are third derivatives of
+  J against finite differences: 98% within 1% (99% are within 0.5%; the rest are third derivatives of
      narrow lobes)
 """
 
@@ -158,7 +158,7 @@ def test_a_mistake_breaks_the_weights_sum(renderer, fault):
     ("sharp_density", "surface", "sharp transmission"), ("sharp_density", "environment", "sharp reflection"),
     ("sharp_density", "delta", "sharp transmission")])
 def test_a_factor_left_out_of_the_jacobian_shows_in_its_class(renderer, fault, end, bounce):
-    """Round trips cannot see it: it is left out both ways (ALGORITHMS O22)."""
+    """Round trips cannot see it: it is left out both ways."""
     results = measure(renderer, "scattering", FEWER_FRAMES, fault)
     kinds, ratios = jacobians(results)
     assert off(ratios[is_of(kinds, end, bounce)]) > 0.2  # ten times what is allowed

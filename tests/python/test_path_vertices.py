@@ -1,5 +1,5 @@
 """The bounces that guides are trained on, against rays cast by brute force through the Cornell box
-(ALGORITHMS O15): the vertices of a pixel are those of one path, the one its reservoir holds, as it stands in
+[shaders/README: Learning: the splat]: the vertices of a pixel are those of one path, the one its reservoir holds, as it stands in
 this pixel. Nothing here is statistical.
 
 Stored positions are rounded to 2 x 10^-6 radii of the scene, directions to 3 x 10^-5: bounds are ten times

@@ -1,4 +1,4 @@
-"""Why shifts copy guided directions and do not replay the random numbers that drew them (ALGORITHMS 5.4, 5.5).
+"""Why shifts copy guided directions and do not replay the random numbers that drew them [shaders/README: Why guided directions are copied and not replayed].
 
 ReplayReuse carries one bounce that never reconnects from frame to frame, as a direction (variant U, what
 ReSTIRReuse does) or as random numbers (variant P, what Lin et al. 2022 do without a guide), and a guide of

@@ -87,7 +87,7 @@ def test_light_points_follow_a_light_that_moves_turns_and_grows(tmp_path):
 
 
 def test_what_is_not_direct_through_rough_lobes_is_the_path_tracers(tmp_path):
-    """With mirrors and smooth glass, ReSTIRDI and the path tracer share the light, none of it twice (O5)."""
+    """With mirrors and smooth glass, ReSTIRDI and the path tracer share the light, none of it twice."""
     glass = embedded_scene("cornell_glass", tmp_path)
     samples = independent_runs(make_renderer(glass, direct_graph()), RUNS // 2, (2,))
     check(samples, make_reference(glass, REFERENCE_FRAMES // 2))

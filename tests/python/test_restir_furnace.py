@@ -1,4 +1,4 @@
-"""Furnaces under ReSTIR PT: values known beforehand that no kind of reuse may change (ALGORITHMS O13).
+"""Furnaces under ReSTIR PT: values known beforehand that no kind of reuse may change.
 
 Those of mirrors, panes and screens are deterministic: a candidate carries its light without noise, and so
 does what is merged of it. The closed box is a z-test. Null hypothesis of each case: the expected image mean is
@@ -82,7 +82,7 @@ def test_a_mistake_in_the_candidates_shows_in_the_furnace(box, fault):
 
 
 def test_a_clear_pane_loses_no_light_but_without_the_probability_of_labels(tmp_path):
-    """It reflects or transmits; a label's value over its probability is 1 (ALGORITHMS O1)."""
+    """It reflects or transmits; a label's value over its probability is 1."""
     pane = make_renderer(upright_strips(tmp_path, PANE), (16, 16), 0)
     for fault in ("none", "label_probability"):
         pane.set("paths.fault", fault)
@@ -101,7 +101,7 @@ def halves(tmp_path_factory):
 
 @pytest.mark.parametrize("reuse", REUSE)
 def test_a_mirror_shares_no_light_with_brushed_metal(halves, reuse):
-    """One bounce off the mirror is a path's light; off brushed metal it is ReSTIR DI's (O5). The bounces have
+    """One bounce off the mirror is a path's light; off brushed metal it is ReSTIR DI's. The bounces have
     one label: a path that moved from the mirror to the other metal would be there twice.
     """
     set_reuse(halves, REUSE[reuse])

@@ -1,4 +1,4 @@
-"""Next event estimation and scattering are two estimators of one integral: with and without it the mean picture is the same (T8).
+"""Next event estimation and scattering are two estimators of one integral: with and without it the mean picture is the same.
 
 Null hypothesis: every 4 x 4 block of 32 x 32 pixels has one expected luminance. 64 runs a side, Welch's t, |t| against the
 normal quantile of a false alarm of 1% over all blocks; the seeds are fixed. Lights without a surface (spot, point, directional)

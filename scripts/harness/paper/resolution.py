@@ -1,6 +1,6 @@
 """Error and samples a cell against resolution. Not in the paper, whose pictures are all 1920x1080.
 
-Cells of the guiding grid span a part of the picture's height (ALGORITHMS O10): with twice the height a cell
+Cells of the guiding grid span a part of the picture's height: with twice the height a cell
 gets four times as many samples a frame.
 """
 

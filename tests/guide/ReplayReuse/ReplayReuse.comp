@@ -1,6 +1,7 @@
 // Temporal reuse of one bounce that never reconnects, after which light is met or not: the prefix of a path, alone. What is carried
 // from frame to frame is the direction (variant U, what ReSTIRReuse does) or the random numbers that the guided sampler drew it from
-// (variant P, as Lin et al. 2022 replay them): ALGORITHMS 5.4, 5.5.
+// (as Lin et al. 2022 replay them).
+// [shaders/README: Why guided directions are copied and not replayed]
 #version 460
 #include "prelude.glsl"
 #include "Shared.h"

@@ -1,4 +1,4 @@
-// T5: the Jacobian that a shift claims, against finite differences. Of each rough replayed bounce the random numbers are varied, of the
+// The Jacobian that a shift claims, against finite differences. Of each rough replayed bounce the random numbers are varied, of the
 // edge that reconnects its end; the solid angle that the directions then span, in the image's domain over that in the path's own, is
 // the bounce's part of the Jacobian, whose matrix is block triangular. Delta bounces and copied directions count 1.
 // Writes kind, measured over claimed Jacobian, the claimed one, and whether there was one.

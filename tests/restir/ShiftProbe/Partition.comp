@@ -1,4 +1,4 @@
-// T3: the MIS weights of one path, over all who could hold it, add up to 1: whichever participant it comes from. Writes the sum that is
+// The MIS weights of one path, over all who could hold it, add up to 1: whichever participant it comes from. Writes the sum that is
 // farthest from 1, minus 1, for paths of the pixel itself and for paths of the others, and how many of each were tried.
 #version 460
 #include "prelude.glsl"

@@ -1,4 +1,4 @@
-// T4: a path shifted to another domain and back is the path it was, and the Jacobians of the two ways multiply to 1. Writes kind, largest
+// A path shifted to another domain and back is the path it was, and the Jacobians of the two ways multiply to 1. Writes kind, largest
 // relative difference of f, |J J' - 1|, and how the trip ended.
 #version 460
 #include "prelude.glsl"

@@ -82,7 +82,7 @@ uint kind_of_bounce(PathReservoir r, uint bounce)
 /// Relative to the near field's limit, a distance that is too close to it to judge.
 const float NEAR_FIELD_DOUBT = 1e-4;
 
-/// Do two surface vertices reconnect, by the definition (ALGORITHMS O3) and not by the shift's own test? `doubtful`: say this.
+/// Do two surface vertices reconnect, by the definition [shaders/README: What may reconnect] and not by the shift's own test? `doubtful`: say this.
 bool reconnects(PathReservoir r, uint bounce, vec3 x, vec3 y, bool doubtful)
 {
     float reach = distance(x, y) / (NEAR_FIELD * SCENE.radius);
