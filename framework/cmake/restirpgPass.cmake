@@ -19,6 +19,7 @@ function(restirpg_add_pass name)
         set_target_properties(${target} PROPERTIES
             LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/restirpg/passes INSTALL_RPATH "$ORIGIN/../..")
         add_dependencies(renderer ${target})
+        target_precompile_headers(${target} REUSE_FROM restirpg_core)
     endif()
     install(TARGETS ${target} LIBRARY DESTINATION lib/restirpg/passes)
     install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION lib/restirpg/passes/${target}
