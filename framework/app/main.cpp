@@ -8,7 +8,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
 #include <new>
+#include <sstream>
+#include <system_error>
 
 namespace {
 
@@ -41,10 +47,32 @@ int refuseArguments(const CLI::ParseError& error)
     return refuse(fmt::format("restirpg: {}; see restirpg --help", message));
 }
 
+/// What was printed may still wait in a buffer, and a full disk is only seen when it leaves it.
+void flushOutput()
+{
+    if (std::fflush(stdout) != 0 || std::ferror(stdout))
+        restirpg::fail("standard output: cannot write: {}; free some space or write elsewhere", std::strerror(errno));
+}
+
+/// Help and version are printed here too: CLI11 would not notice that they cannot be.
+void runCommand(CLI::App& app, int argc, char** argv)
+{
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& help) {
+        std::ostringstream text;
+        app.exit(help, text);
+        fmt::print("{}", text.str());
+    }
+    flushOutput();
+}
+
 }  // namespace
 
 int main(int argc, char** argv)
 {
+    // Beyond `ulimit -f` a write fails, also one to standard output; the signal would end the program without a word.
+    std::signal(SIGXFSZ, SIG_IGN);
     CLI::App app("Renders glTF scenes through render graphs, to compare light transport methods on equal terms",
                  "restirpg");
     app.require_subcommand(1);
@@ -54,15 +82,16 @@ int main(int argc, char** argv)
     restirpg::addDevicesCommand(app);
     try {
         checkSubcommand(app, argc, argv);
-        app.parse(argc, argv);
-    } catch (const CLI::Success& help) {
-        return app.exit(help);
+        runCommand(app, argc, argv);
     } catch (const CLI::ParseError& error) {
         return refuseArguments(error);
     } catch (const restirpg::Error& error) {
         return refuse(error.what());
     } catch (const std::bad_alloc&) {
         return refuse("restirpg: out of memory; use a smaller image or scene");
+    } catch (const std::system_error& error) {
+        // fmt::print's, when standard output cannot be written.
+        return refuse(fmt::format("restirpg: {}", error.what()));
     } catch (const std::exception& error) {
         fmt::print(stderr, "restirpg: internal error: {}\n", error.what());
         return 1;

@@ -4,8 +4,8 @@
 #include "app/progress.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "core/output_file.h"
 #include "core/table.h"
-#include "image/atomic.h"
 #include "image/metrics.h"
 #include "render/renderer.h"
 #include "scene/gltf.h"
@@ -14,12 +14,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 
 namespace restirpg {
 namespace {
@@ -63,10 +60,7 @@ void checkFiles(const Options& options)
             continue;
         if (std::filesystem::path(file).extension() != extension)
             fail("{}: the name must end in {}", file, extension);
-        const auto trial = temporaryName(file);
-        if (!std::ofstream(trial))
-            fail("{}: cannot write: {}; choose another folder", file, std::strerror(errno));
-        std::filesystem::remove(trial);
+        checkWritable(file);
     }
     if (!options.png.empty())
         checkDisplay(options.display);

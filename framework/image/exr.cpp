@@ -1,13 +1,15 @@
 // OpenEXR files, through the OpenEXR library.
-#include "image/atomic.h"
 #include "image/exr_header.h"
 #include "image/image.h"
 
+#include "core/error.h"
 #include "core/log.h"
+#include "core/output_file.h"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
@@ -63,6 +65,19 @@ std::vector<half> toHalf(const fs::path& file, const std::vector<float>& values)
     return result;
 }
 
+/// The library's view of an OutputFile. It swallows what fails in its destructors; `commit` does not.
+class ExrStream final : public Imf::OStream {
+public:
+    ExrStream(const fs::path& file, OutputFile& output) : OStream(file.c_str()), output_(output) {}
+
+    void write(const char bytes[], int size) override { output_.write(bytes, size_t(size)); }
+    uint64_t tellp() override { return output_.position(); }
+    void seekp(uint64_t position) override { output_.seek(position); }
+
+private:
+    OutputFile& output_;
+};
+
 /// The library's exceptions as one Error. A hostile file may throw anything derived from std::exception, bad_alloc too.
 template <typename Read>
 auto readSafely(const fs::path& file, Read&& read)
@@ -97,6 +112,22 @@ std::array<std::string, 3> colourChannels(const fs::path& file, const Imf::Chann
          prefix, present);
 }
 
+void storePixels(const fs::path& file, const Imf::Header& header, const Imf::FrameBuffer& pixels)
+{
+    OutputFile output(file);
+    try {
+        ExrStream stream(file, output);
+        Imf::OutputFile exr(stream, header);
+        exr.setFrameBuffer(pixels);
+        exr.writePixels(header.dataWindow().max.y + 1);
+    } catch (const Error&) {
+        throw;
+    } catch (const std::exception& error) {
+        fail("{}: cannot write: {}", file.string(), firstLine(error.what()));
+    }
+    output.commit();
+}
+
 }  // namespace
 
 void writeExr(const fs::path& file, const std::vector<Layer>& layers, PixelType type,
@@ -108,37 +139,33 @@ void writeExr(const fs::path& file, const std::vector<Layer>& layers, PixelType 
     const uint32_t height = layers.front().image.height;
     const Imf::PixelType stored = type == PixelType::half ? Imf::HALF : Imf::FLOAT;
 
-    writeAtomically(file, [&](const fs::path& temporary) {
-        Imf::Header header{int(width), int(height)};
-        header.compression() = Imf::ZIP_COMPRESSION;
-        for (const auto& [name, value] : attributes)
-            header.insert(name, Imf::StringAttribute(value));
+    Imf::Header header{int(width), int(height)};
+    header.compression() = Imf::ZIP_COMPRESSION;
+    for (const auto& [name, value] : attributes)
+        header.insert(name, Imf::StringAttribute(value));
 
-        std::vector<std::vector<half>> halves(layers.size());
-        Imf::FrameBuffer pixels;
-        for (size_t l = 0; l < layers.size(); ++l) {
-            const Image& image = layers[l].image;
-            const std::vector<std::string> names = channelNames(file, layers[l]);
-            if (image.width != width || image.height != height)
-                fail("{}: cannot write: layer '{}' is {}x{} and the first layer {}x{}; layers must be of one size",
-                     file.string(), layers[l].name, image.width, image.height, width, height);
-            const size_t size = type == PixelType::half ? sizeof(half) : sizeof(float);
-            const char* data = reinterpret_cast<const char*>(image.data.data());
-            if (type == PixelType::half) {
-                halves[l] = toHalf(file, image.data);
-                data = reinterpret_cast<const char*>(halves[l].data());
-            }
-            for (uint32_t c = 0; c < image.channels; ++c) {
-                header.channels().insert(names[c], Imf::Channel(stored));
-                // The library takes a pointer to mutable data for writing too.
-                pixels.insert(names[c], Imf::Slice(stored, const_cast<char*>(data) + c * size, size * image.channels,
-                                                   size * image.channels * width));
-            }
+    std::vector<std::vector<half>> halves(layers.size());
+    Imf::FrameBuffer pixels;
+    for (size_t l = 0; l < layers.size(); ++l) {
+        const Image& image = layers[l].image;
+        const std::vector<std::string> names = channelNames(file, layers[l]);
+        if (image.width != width || image.height != height)
+            fail("{}: cannot write: layer '{}' is {}x{} and the first layer {}x{}; layers must be of one size",
+                 file.string(), layers[l].name, image.width, image.height, width, height);
+        const size_t size = type == PixelType::half ? sizeof(half) : sizeof(float);
+        const char* data = reinterpret_cast<const char*>(image.data.data());
+        if (type == PixelType::half) {
+            halves[l] = toHalf(file, image.data);
+            data = reinterpret_cast<const char*>(halves[l].data());
         }
-        Imf::OutputFile output(temporary.c_str(), header);
-        output.setFrameBuffer(pixels);
-        output.writePixels(int(height));
-    });
+        for (uint32_t c = 0; c < image.channels; ++c) {
+            header.channels().insert(names[c], Imf::Channel(stored));
+            // The library takes a pointer to mutable data for writing too.
+            pixels.insert(names[c], Imf::Slice(stored, const_cast<char*>(data) + c * size, size * image.channels,
+                                               size * image.channels * width));
+        }
+    }
+    storePixels(file, header, pixels);
 }
 
 Image readExr(const fs::path& file, const std::string& layer)

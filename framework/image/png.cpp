@@ -1,16 +1,13 @@
-// The display transform, through OpenColorIO, and PNG files, through stb_image_write.
-#include "image/atomic.h"
+// The display transform, through OpenColorIO, and PNG files, through libpng.
 #include "image/image.h"
 
+#include "core/error.h"
 #include "core/log.h"
+#include "core/output_file.h"
 #include "core/paths.h"
 
 #include <OpenColorIO/OpenColorIO.h>
-
-// Static, since libtinygltf exports functions of the same names.
-#define STB_IMAGE_WRITE_STATIC
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#include <stb/stb_image_write.h>
+#include <png.h>
 
 #include <algorithm>
 #include <cmath>
@@ -95,6 +92,21 @@ std::vector<float> exposed(const fs::path& file, const Image& image, float stops
     return rgb;
 }
 
+std::string encodePng(const fs::path& file, uint32_t width, uint32_t height, const std::vector<uint8_t>& rgb)
+{
+    png_image png{};
+    png.version = PNG_IMAGE_VERSION;
+    png.width = width;
+    png.height = height;
+    png.format = PNG_FORMAT_RGB;
+    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+    std::string encoded(size, 0);
+    if (!png_image_write_to_memory(&png, encoded.data(), &size, 0, rgb.data(), 0, nullptr))
+        fail("{}: cannot write: {}", file.string(), png.message);
+    encoded.resize(size);
+    return encoded;
+}
+
 }  // namespace
 
 void checkDisplay(const DisplayTransform& transform)
@@ -111,11 +123,7 @@ void writePng(const fs::path& file, const Image& image, const DisplayTransform& 
     std::vector<uint8_t> bytes(rgb.size());
     std::transform(rgb.begin(), rgb.end(), bytes.begin(),
                    [](float v) { return uint8_t(std::lround(255.0f * std::clamp(v, 0.0f, 1.0f))); });
-    writeAtomically(file, [&](const fs::path& temporary) {
-        if (!stbi_write_png(temporary.c_str(), int(image.width), int(image.height), 3, bytes.data(),
-                            int(3 * image.width)))
-            fail("{}: cannot write the PNG; check the folder's permissions and free space", file.string());
-    });
+    writeFile(file, encodePng(file, image.width, image.height, bytes));
 }
 
 }  // namespace restirpg

@@ -76,6 +76,29 @@ def test_errors_against_the_picture_itself_are_zero(scene, tmp_path):
     assert re.search(r"MAPE 0\.\d+, .* bias -", output)
 
 
+def test_a_full_disk_is_one_line_and_keeps_the_old_picture(scene, tmp_path):
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", tmp_path], check=False).returncode:
+        pytest.skip("a full disk needs a small tmpfs, which only root can mount")
+    try:
+        (tmp_path / "a.png").write_text("old")
+        command = [*render_command(scene)[:-2], "--png", "a.png"]
+        code, output, errors = restirpg(*command, folder=tmp_path)
+        assert (code, errors) == (2, "a.png: cannot write: No space left on device; free some space or choose another folder\n")
+        assert "wrote" not in output
+        assert os.listdir(tmp_path) == ["a.png"]
+        assert (tmp_path / "a.png").read_text() == "old"
+    finally:
+        subprocess.run(["umount", tmp_path], check=True)
+
+
+@pytest.mark.parametrize("command", (["graph", GRAPH, "--dot"], ["describe"], ["--help"]))
+def test_a_full_standard_output_is_one_line(command):
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        done = subprocess.run([PROGRAM, *command], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2
+    assert re.fullmatch(r".*cannot write.*No space left on device.*\n", done.stderr)
+
+
 def test_the_progress_bar_is_drawn_on_terminals_only(scene, tmp_path):
     command = render_command(scene, frames=3)
     master, slave = pty.openpty()

@@ -1,0 +1,167 @@
+#include "core/output_file.h"
+
+#include "core/error.h"
+
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <ctime>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace restirpg {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// write(2) beyond RLIMIT_FSIZE sends the thread SIGXFSZ, which ends the process. Here the error is enough: the signal
+/// is held back while we write, and taken away if it came.
+class HeldSignal {
+public:
+    HeldSignal()
+    {
+        sigemptyset(&signals_);
+        sigaddset(&signals_, SIGXFSZ);
+        pthread_sigmask(SIG_BLOCK, &signals_, &before_);
+    }
+    ~HeldSignal()
+    {
+        const int error = errno;
+        const timespec now{};
+        while (sigtimedwait(&signals_, nullptr, &now) == SIGXFSZ) {
+        }
+        pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+        errno = error;
+    }
+    HeldSignal(const HeldSignal&) = delete;
+    HeldSignal& operator=(const HeldSignal&) = delete;
+
+private:
+    sigset_t signals_{};
+    sigset_t before_{};
+};
+
+/// The file that a name leads to. A link to a file that is not there yet leads to its place.
+fs::path withoutLinks(const fs::path& file)
+{
+    std::error_code error;
+    const fs::path target = fs::weakly_canonical(file, error);
+    return error ? file : target;
+}
+
+fs::path temporaryName(const fs::path& folder)
+{
+    static std::atomic<uint64_t> count = 0;
+    return folder / fmt::format(".restirpg-{}-{}.tmp", getpid(), count++);
+}
+
+/// Permissions of the file that is replaced. A failure is no error: the new file has the usual ones.
+void keepPermissions(int descriptor, const fs::path& file)
+{
+    struct stat before;
+    if (stat(file.c_str(), &before) == 0 && fchmod(descriptor, before.st_mode & 07777) != 0)
+        errno = 0;
+}
+
+/// Some file systems cannot flush, and say so by EINVAL.
+bool flush(int descriptor)
+{
+    return fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP;
+}
+
+}  // namespace
+
+OutputFile::OutputFile(const fs::path& file) : file_(file), target_(withoutLinks(file))
+{
+    const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+    std::error_code ignored;
+    if (!fs::is_directory(folder, ignored))
+        fail("{}: cannot write: the folder {} does not exist; create it first", file.string(), folder.string());
+    if (fs::is_directory(target_, ignored))
+        fail("{}: cannot write: it is a folder; name a file", file.string());
+    if (fs::exists(target_, ignored) && !fs::is_regular_file(target_, ignored))
+        fail("{}: cannot write: it is a device or a pipe; name a file", file.string());
+    temporary_ = temporaryName(folder);
+    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (descriptor_ < 0)
+        failWith(errno);
+    keepPermissions(descriptor_, target_);
+}
+
+OutputFile::~OutputFile()
+{
+    if (descriptor_ < 0)
+        return;
+    close(descriptor_);
+    unlink(temporary_.c_str());
+}
+
+void OutputFile::failWith(int error)
+{
+    error_ = error;
+    const char* mend = error == ENOSPC || error == EDQUOT ? "free some space or choose another folder"
+                       : error == EFBIG                   ? "raise the limit (ulimit -f) or write a smaller file"
+                                                          : "choose another folder";
+    fail("{}: cannot write: {}; {}", file_.string(), std::strerror(error), mend);
+}
+
+void OutputFile::write(const void* bytes, size_t size)
+{
+    const HeldSignal held;
+    const char* data = static_cast<const char*>(bytes);
+    while (size > 0) {
+        const ssize_t written = ::write(descriptor_, data, size);
+        if (written < 0 && errno == EINTR)
+            continue;
+        if (written <= 0)
+            failWith(written < 0 ? errno : ENOSPC);
+        data += written;
+        size -= size_t(written);
+        position_ += uint64_t(written);
+    }
+}
+
+void OutputFile::seek(uint64_t position)
+{
+    if (lseek(descriptor_, off_t(position), SEEK_SET) < 0)
+        failWith(errno);
+    position_ = position;
+}
+
+void OutputFile::commit()
+{
+    if (error_ != 0 || !flush(descriptor_))
+        failWith(error_ != 0 ? error_ : errno);
+    // After close the descriptor is gone even when it reports an error.
+    const int descriptor = std::exchange(descriptor_, -1);
+    if (close(descriptor) != 0 || rename(temporary_.c_str(), target_.c_str()) != 0) {
+        const int error = errno;
+        unlink(temporary_.c_str());
+        failWith(error);
+    }
+    // The name itself is on the disk once the folder is.
+    const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+    const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (opened >= 0) {
+        fsync(opened);
+        close(opened);
+    }
+}
+
+void writeFile(const fs::path& file, std::string_view bytes)
+{
+    OutputFile output(file);
+    output.write(bytes.data(), bytes.size());
+    output.commit();
+}
+
+void checkWritable(const fs::path& file)
+{
+    OutputFile output(file);
+}
+
+}  // namespace restirpg
