@@ -2,10 +2,14 @@
 
 #include "image/limits.h"
 
+#include <ImfCompression.h>
+#include <OpenEXRConfig.h>
+
 #include <array>
 #include <bit>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <string>
 
 namespace restirpg {
@@ -41,7 +45,7 @@ public:
         const int32_t version = read<int32_t>();
         if ((version & VERSION_MASK) != 2)
             damaged("its version is not 2");
-        if (version & DEEP_FLAG)
+        if ((version & DEEP_FLAG) && !(version & MULTI_PART_FLAG))
             fail("{}: cannot read: deep images are not supported; flatten it to a scanline image", file_.string());
         walkPart();
         // The headers of a multi-part file end with an empty one, i.e. a zero byte.
@@ -78,7 +82,7 @@ private:
 
     void walkPart()
     {
-        bool hasWindow = false;
+        std::optional<std::array<int64_t, 2>> window, tile;
         for (std::string name = readName(); !name.empty(); name = readName()) {
             const std::string type = readName();
             const int32_t size = read<int32_t>();
@@ -86,17 +90,34 @@ private:
             if (size < 0 || uint64_t(size) > size_ - uint64_t(begin))
                 damaged(fmt::format("an attribute claims {} bytes", size));
             if (name == "dataWindow" && size == 16) {
-                const auto window = read<std::array<int32_t, 4>>();  // left, top, right, bottom, all inclusive
-                checkImageClaim(file_, int64_t(window[2]) - window[0] + 1, int64_t(window[3]) - window[1] + 1, size_);
-                hasWindow = true;
+                const auto box = read<std::array<int32_t, 4>>();  // left, top, right, bottom, all inclusive
+                window = {int64_t(box[2]) - box[0] + 1, int64_t(box[3]) - box[1] + 1};
+                checkImageClaim(file_.string(), (*window)[0], (*window)[1], size_, BYTES_PER_PIXEL_FLOAT);
             } else if (name == "tiles" && size == 9) {
-                const auto tile = read<std::array<uint32_t, 2>>();
-                checkImageClaim(file_, tile[0], tile[1], size_);
+                const auto sides = read<std::array<uint32_t, 2>>();
+                tile = {sides[0], sides[1]};
+                checkImageClaim(file_.string(), sides[0], sides[1], size_, BYTES_PER_PIXEL_FLOAT);
+            } else if (name == "chunkCount" && size == 4) {
+                checkChunks(read<int32_t>());
+            } else if (name == "compression" && size == 1) {
+                const int method = read<uint8_t>();
+                if (method >= Imf::NUM_COMPRESSION_METHODS)
+                    fail("{}: cannot read: compression method {} is not known to OpenEXR {}; write it with another one",
+                         file_.string(), method, OPENEXR_VERSION_STRING);
             }
             stream_.seekg(begin + size);
         }
-        if (!hasWindow)
+        if (!window)
             damaged("its header has no data window");
+        if (tile)
+            checkChunks(((*window)[0] + (*tile)[0] - 1) / (*tile)[0] * (((*window)[1] + (*tile)[1] - 1) / (*tile)[1]));
+    }
+
+    /// Every chunk of pixels has an offset of 8 bytes in a table.
+    void checkChunks(int64_t count)
+    {
+        if (count < 0 || uint64_t(count) > size_ / 8)
+            damaged(fmt::format("it claims {} blocks of pixels", count));
     }
 
     fs::path file_;

@@ -1,14 +1,16 @@
-// Radiance .hdr (RGBE). Own code, since stb_image's reader loops for ever on a truncated file and ignores the
-// orientation.
-#include "image/image.h"
+// Radiance .hdr (RGBE, XYZE). Own code, since stb_image's reader loops for ever on a truncated file, and both it and
+// OpenImageIO's leave out the exposure.  [G. Ward Larson, Radiance File Formats, "Picture"]
+#include "image/colour.h"
 #include "image/limits.h"
+#include "image/stored.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <optional>
 
 namespace restirpg {
 namespace {
@@ -42,8 +44,10 @@ public:
     std::string nextLine()
     {
         std::string line;
-        for (char c = char(next()); c != '\n'; c = char(next()))
+        for (char c = char(next()); c != '\n'; c = char(next()))  // or CR LF, as some programs write
             line += c;
+        if (line.ends_with('\r'))
+            line.pop_back();
         return line;
     }
 
@@ -54,30 +58,113 @@ private:
 };
 
 /// Mantissas are 8 bits below a shared exponent with a bias of 128.  [G. Ward, Real Pixels, Graphics Gems II]
-void decode(const Rgbe& pixel, float* rgb)
+void decode(const Rgbe& pixel, const std::array<double, 3>& factor, float* rgb)
 {
     const float scale = pixel[3] == 0 ? 0.0f : std::ldexp(1.0f, int(pixel[3]) - (128 + 8));
-    for (int c = 0; c < 3; ++c)
-        rgb[c] = pixel[c] * scale;
+    for (size_t c = 0; c < 3; ++c)
+        rgb[c] = float(pixel[c] * scale / factor[c]);
 }
 
-/// The header up to and with the resolution line; returns width and height.
-std::array<int, 2> readHeader(const fs::path& file, ByteReader& reader)
+struct Header {
+    bool xyz = false;
+    /// What all pixels were multiplied with: the product of all EXPOSURE and COLORCORR lines.
+    std::array<double, 3> factor = {1, 1, 1};
+    std::optional<Imf::Chromaticities> primaries;
+    /// A scanline runs along X (or Y); the first pixel of the file lies at the end of an axis where it is reversed.
+    bool rowsAlongX = true;
+    bool reversedX = false;
+    bool reversedY = false;
+    uint32_t width = 0;
+    uint32_t height = 0;
+
+    uint32_t scanlines() const { return rowsAlongX ? height : width; }
+    uint32_t length() const { return rowsAlongX ? width : height; }
+};
+
+/// `count` numbers, separated by white space.
+template <size_t count>
+std::array<double, count> numbers(const fs::path& file, const std::string& key, const std::string& text)
 {
+    std::array<double, count> values{};
+    const char* begin = text.c_str();
+    for (double& value : values) {
+        char* end = nullptr;
+        value = std::strtod(begin, &end);
+        if (end == begin || !std::isfinite(value))
+            fail("{}: cannot read: {} is not followed by {} number{}; mend the header", file.string(), key, count,
+                 count == 1 ? "" : "s");
+        begin = end;
+    }
+    return values;
+}
+
+void multiply(const fs::path& file, const std::string& key, std::array<double, 3>& factor,
+              const std::array<double, 3>& by)
+{
+    for (size_t c = 0; c < 3; ++c) {
+        factor[c] *= by[c];
+        if (!(factor[c] > 0) || !std::isfinite(factor[c]))
+            fail("{}: cannot read: {} is not a positive number; mend the header", file.string(), key);
+    }
+}
+
+/// A line KEY=VALUE; others are comments and the history of commands.
+void readLine(const fs::path& file, const std::string& line, Header& header)
+{
+    const auto equals = line.find('=');
+    if (equals == line.npos)
+        return;
+    const std::string key = line.substr(0, equals);
+    const std::string value = line.substr(std::min(line.find_first_not_of(" \t", equals + 1), line.size()));
+    if (key == "FORMAT") {
+        header.xyz = value == "32-bit_rle_xyze";
+        if (!header.xyz && value != "32-bit_rle_rgbe")
+            fail("{}: cannot read: FORMAT={} is not supported; write it as 32-bit_rle_rgbe", file.string(),
+                 value.substr(0, 40));
+    } else if (key == "EXPOSURE") {
+        const double exposure = numbers<1>(file, key, value)[0];
+        multiply(file, key, header.factor, {exposure, exposure, exposure});
+    } else if (key == "COLORCORR") {
+        multiply(file, key, header.factor, numbers<3>(file, key, value));
+    } else if (key == "PRIMARIES") {
+        const auto v = numbers<8>(file, key, value);
+        const auto xy = [&](size_t i) { return Imath::V2f(float(v[2 * i]), float(v[2 * i + 1])); };
+        header.primaries = Imf::Chromaticities(xy(0), xy(1), xy(2), xy(3));
+    }
+}
+
+/// "-Y HEIGHT +X WIDTH": two axes, the one from scanline to scanline first; -Y is from the top, +X from the left.
+void readResolution(const fs::path& file, const std::string& line, Header& header)
+{
+    std::array<char, 2> signs{}, axes{};
+    std::array<int, 2> sizes{};
+    const int found = std::sscanf(line.c_str(), "%c%c %9d %c%c %9d", &signs[0], &axes[0], &sizes[0], &signs[1], &axes[1],
+                                  &sizes[1]);
+    const auto isSign = [](char c) { return c == '+' || c == '-'; };
+    const bool axesGiven = (axes[0] == 'X' && axes[1] == 'Y') || (axes[0] == 'Y' && axes[1] == 'X');
+    if (found != 6 || !axesGiven || !isSign(signs[0]) || !isSign(signs[1]))
+        fail("{}: cannot read: the resolution line is not of the form '-Y HEIGHT +X WIDTH'; mend the header",
+             file.string());
+    const size_t x = axes[0] == 'X' ? 0 : 1, y = 1 - x;
+    header.rowsAlongX = x == 1;
+    header.reversedX = signs[x] == '-';
+    header.reversedY = signs[y] == '+';
+    header.width = uint32_t(std::max(sizes[x], 0));
+    header.height = uint32_t(std::max(sizes[y], 0));
+}
+
+/// The header up to and with the resolution line.
+Header readHeader(const fs::path& file, ByteReader& reader)
+{
+    Header header;
     const std::string magic = reader.nextLine();
     if (magic.rfind("#?", 0) != 0)
         fail("{}: cannot read: not a Radiance .hdr file (it does not begin with #?)", file.string());
     for (std::string line = reader.nextLine(); !line.empty(); line = reader.nextLine())
-        if (line.rfind("FORMAT=", 0) == 0 && line != "FORMAT=32-bit_rle_rgbe")
-            fail("{}: cannot read: {} is not supported; write it as 32-bit_rle_rgbe", file.string(),
-                 line.substr(0, 40));
-    int width = 0, height = 0;
-    const std::string resolution = reader.nextLine();
-    if (std::sscanf(resolution.c_str(), "-Y %9d +X %9d", &height, &width) != 2)
-        fail("{}: cannot read: the resolution line is not '-Y HEIGHT +X WIDTH'; write it with rows from the top",
-             file.string());
-    checkImageClaim(file, width, height, reader.size());
-    return {width, height};
+        readLine(file, line, header);
+    readResolution(file, reader.nextLine(), header);
+    checkImageClaim(file.string(), header.width, header.height, reader.size(), BYTES_PER_PIXEL_FLOAT);
+    return header;
 }
 
 /// A row with its four components run-length coded one after the other; `first` is its marker, already read.
@@ -118,25 +205,45 @@ void readPlainRow(const fs::path& file, ByteReader& reader, std::vector<Rgbe>& r
     }
 }
 
+void readScanline(const fs::path& file, ByteReader& reader, std::vector<Rgbe>& row)
+{
+    const Rgbe first = reader.nextPixel();
+    const size_t length = row.size();
+    if (first[0] == 2 && first[1] == 2 && size_t(first[2] << 8 | first[3]) == length && length >= 8 && length < 32768)
+        readCodedRow(file, reader, row);
+    else
+        readPlainRow(file, reader, row, first);
+}
+
 }  // namespace
+
+StoredImage readStoredHdr(const fs::path& file)
+{
+    ByteReader reader(file);
+    const Header header = readHeader(file, reader);
+    StoredImage stored{{header.width, header.height, 3, {}}, true, {}, {}};
+    stored.image.data.resize(size_t(header.width) * header.height * 3);
+    std::vector<Rgbe> scanline(header.length());
+    for (uint32_t i = 0; i < header.scanlines(); ++i) {
+        readScanline(file, reader, scanline);
+        for (uint32_t j = 0; j < header.length(); ++j) {
+            const uint32_t x = header.rowsAlongX ? j : i, y = header.rowsAlongX ? i : j;
+            float* pixel = &stored.image.at(header.reversedX ? header.width - 1 - x : x,
+                                            header.reversedY ? header.height - 1 - y : y, 0);
+            decode(scanline[j], header.factor, pixel);
+        }
+    }
+    if (header.xyz)
+        stored.chromaticities = CIE_XYZ;
+    else if (header.primaries)
+        stored.chromaticities = *header.primaries;
+    stored.neutral = stored.chromaticities.white;
+    return stored;
+}
 
 Image readHdr(const fs::path& file)
 {
-    ByteReader reader(file);
-    const auto [width, height] = readHeader(file, reader);
-    Image image{uint32_t(width), uint32_t(height), 3, {}};
-    image.data.resize(size_t(width) * height * 3);
-    std::vector<Rgbe> row(width);
-    for (int y = 0; y < height; ++y) {
-        const Rgbe first = reader.nextPixel();
-        if (first[0] == 2 && first[1] == 2 && (first[2] << 8 | first[3]) == width && width >= 8 && width < 32768)
-            readCodedRow(file, reader, row);
-        else
-            readPlainRow(file, reader, row, first);
-        for (int x = 0; x < width; ++x)
-            decode(row[x], &image.at(uint32_t(x), uint32_t(y), 0));
-    }
-    return image;
+    return converted(file, readStoredHdr(file));
 }
 
 }  // namespace restirpg

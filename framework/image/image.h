@@ -36,16 +36,23 @@ enum class PixelType { half, full };
 void writeExr(const std::filesystem::path& file, const std::vector<Layer>& layers, PixelType type,
               const std::map<std::string, std::string>& attributes = {});
 
-/// Read the colour channels of an EXR's data window as 3 channels: R, G, B of the plain layer (or of `layer`), or Y
-/// three times, or X, Y and 0. Multi-part files: the first part. Deep, damaged, truncated or absurdly large files are
-/// one Error.
+/// Read the picture of an EXR's display window as 3 channels of linear Rec.709; what its data window leaves out is black.
+/// The picture is, of the first part that has it: R, G, B (upper or lower case), else Y, RY, BY, else X, Y and 0, else Y
+/// three times; without a `layer` and plain channels: the layer Combined or the only one with colours. `layer` may be a
+/// part's name. Half, float and unsigned integers are read as the numbers they are; attributes `chromaticities` and
+/// `adoptedNeutral` say what their colours are. Deep images, subsampled R, G, B, damaged, truncated or absurdly large
+/// files are one Error.
 Image readExr(const std::filesystem::path& file, const std::string& layer = "");
 
 /// String attributes of an EXR header.
 std::map<std::string, std::string> readExrAttributes(const std::filesystem::path& file);
 
-/// Read a Radiance .hdr (RGBE, run-length coded or not) as 3 channels. Damaged or truncated files are one Error.
+/// Read a Radiance .hdr (RGBE or XYZE, run-length coded or not, of any orientation) as 3 channels of linear Rec.709, in
+/// the units before EXPOSURE and COLORCORR. Damaged or truncated files are one Error.
 Image readHdr(const std::filesystem::path& file);
+
+/// Read an .exr or .hdr as radiance: infinite values saturate, NaN and negative ones become 0, each with a warning.
+Image readRadiance(const std::filesystem::path& file);
 
 /// Scene-linear Rec.709 to display, through OpenColorIO's CPU processor.
 struct DisplayTransform {

@@ -1,5 +1,4 @@
 #include "core/error.h"
-#include "core/log.h"
 #include "image/image.h"
 #include "scene/gltf.h"
 
@@ -31,16 +30,8 @@ Texture toTexture(const Image& image, const std::string& source)
     texture.height = image.height;
     texture.wrapV = Texture::Wrap::clampToEdge;
     texture.floats.resize(size_t(image.width) * image.height * 4, 1.0f);
-    size_t mended = 0;
     for (size_t i = 0; i < size_t(image.width) * image.height; ++i)
-        for (size_t c = 0; c < 3; ++c) {
-            const float value = image.data[i * 3 + c];
-            const bool radiance = std::isfinite(value) && value >= 0;
-            mended += !radiance;
-            texture.floats[i * 4 + c] = radiance ? value : 0.0f;
-        }
-    if (mended)
-        warn("{}: {} negative or non-finite values are read as 0", source, mended);
+        std::copy_n(image.data.begin() + ptrdiff_t(3 * i), 3, texture.floats.begin() + ptrdiff_t(4 * i));
     return texture;
 }
 
@@ -61,8 +52,7 @@ Environment loadEnvironment(const std::string& source)
                    [](unsigned char c) { return char(std::tolower(c)); });
     if (extension != ".exr" && extension != ".hdr")
         fail("environment '{}': is neither an .exr, nor an .hdr, nor three numbers r,g,b; give one of these", source);
-    const auto image = extension == ".exr" ? readExr(source) : readHdr(source);
-    environment.texture = toTexture(image, source);
+    environment.texture = toTexture(readRadiance(source), source);
     environment.radiance = glm::vec3(1);
     return environment;
 }

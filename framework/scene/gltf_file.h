@@ -8,6 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <tiny_gltf.h>
 
+#include <functional>
 #include <initializer_list>
 #include <span>
 #include <string_view>
@@ -55,16 +56,31 @@ std::vector<uint32_t> readIndices(const File& file, int accessor, const std::str
 /// how to read it. Throws Error naming the image when it cannot be decoded or is larger than 16384 a side.
 void decodeImage(const File& file, int index, Texture& texture);
 
+/// Called with what a header claims, before memory is taken for it; throws Error where that is too much.
+using CheckSize = std::function<void(uint32_t width, uint32_t height, bool sixteenBits)>;
+
 /// A decoded JPEG, or why there is none.
 struct JpegImage {
     bool valid = false;
     uint32_t width = 0;
     uint32_t height = 0;
-    std::vector<uint8_t> rgba;  ///< empty when a side is larger than allowed
+    std::vector<uint8_t> rgba;
     std::string message;  ///< the error, or the first warning about damaged data; empty: none
 };
 
-JpegImage decodeJpeg(std::span<const uint8_t> encoded, uint32_t largestSide);
+JpegImage decodeJpeg(std::span<const uint8_t> encoded, const CheckSize& check);
+
+/// A decoded PNG, or why there is none.
+struct PngImage {
+    bool valid = false;
+    uint32_t width = 0;
+    uint32_t height = 0;
+    bool sixteenBits = false;
+    std::vector<uint8_t> rgba;  ///< with 16 bits, two bytes a component in the machine's order
+    std::string message;  ///< the error; empty: none
+};
+
+PngImage decodePng(std::span<const uint8_t> encoded, const CheckSize& check);
 
 /// Fill scene.materials (one a glTF material, then the default material) and scene.textures.
 void readMaterials(const File& file, Scene& scene);

@@ -1,17 +1,9 @@
-// Images of the file to textures. PNG is stb_image's, compiled here with no other decoder; JPEG is libjpeg-turbo's.
+// Images of the file to textures: what a header claims is checked before it is decoded.
+#include "image/limits.h"
 #include "scene/gltf_file.h"
 #include "scene/srgb.h"
 
-#include <memory>
-
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STBI_ONLY_PNG
-#define STBI_NO_STDIO
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#include <stb/stb_image.h>
-#pragma GCC diagnostic pop
+#include <cstring>
 
 namespace restirpg::gltf {
 
@@ -28,54 +20,62 @@ std::span<const uint8_t> encodedBytes(const File& file, const tinygltf::Image& i
     return {file.model.buffers[size_t(view.buffer)].data.data() + view.byteOffset, view.byteLength};
 }
 
-void checkSize(const File& file, const std::string& place, uint32_t width, uint32_t height)
+/// The check of a header of an encoded image of so many bytes.
+CheckSize sizeCheck(const File& file, const std::string& place, size_t bytes)
 {
-    if (width < 1 || height < 1 || width > LARGEST_SIDE || height > LARGEST_SIDE)
-        fail("{}: {}: is {} x {} pixels; scale it to at most {} a side", file.name(), place, width, height,
-             LARGEST_SIDE);
+    return [=, name = file.name() + ": " + place](uint32_t width, uint32_t height, bool sixteenBits) {
+        if (width > LARGEST_SIDE || height > LARGEST_SIDE)
+            fail("{}: is {} x {} pixels; scale it to at most {} a side", name, width, height, LARGEST_SIDE);
+        checkImageClaim(name, width, height, bytes, sixteenBits ? BYTES_PER_PIXEL_16 : BYTES_PER_PIXEL_8);
+    };
+}
+
+/// 16-bit values to floats between 0 and 1; colours are decoded where the texture is sRGB.
+std::vector<float> toFloats(const std::vector<uint8_t>& words, bool srgb)
+{
+    std::vector<float> linear(65536), decoded(65536);
+    for (size_t i = 0; i < linear.size(); ++i) {
+        linear[i] = float(i) / 65535.0f;
+        decoded[i] = srgb ? srgbToLinear(linear[i]) : linear[i];
+    }
+    std::vector<float> floats(words.size() / 2);
+    for (size_t i = 0; i < floats.size(); ++i) {
+        uint16_t word;
+        std::memcpy(&word, words.data() + 2 * i, sizeof word);
+        floats[i] = (i % 4 == 3 ? linear : decoded)[word];
+    }
+    return floats;
 }
 
 void decodePngInto(const File& file, const std::string& place, std::span<const uint8_t> encoded, Texture& texture)
 {
-    const int length = int(encoded.size());
-    int width = 0, height = 0, channels = 0;
-    if (!stbi_info_from_memory(encoded.data(), length, &width, &height, &channels))
-        fail("{}: {}: is not a PNG or JPEG; save the image again", file.name(), place);
-    checkSize(file, place, uint32_t(width), uint32_t(height));
-
-    const auto owned = [&](auto* pixels) {
-        if (!pixels)
-            fail("{}: {}: is damaged ({}); save the image again", file.name(), place, stbi_failure_reason());
-        return std::unique_ptr<std::remove_pointer_t<decltype(pixels)>, decltype(&stbi_image_free)>(pixels,
-                                                                                                    stbi_image_free);
-    };
-    const size_t count = size_t(width) * size_t(height) * 4;
-    if (stbi_is_16_bit_from_memory(encoded.data(), length)) {
-        const auto pixels = owned(stbi_load_16_from_memory(encoded.data(), length, &width, &height, &channels, 4));
-        texture.floats.resize(count);
-        for (size_t i = 0; i < count; ++i) {
-            const float value = float(pixels.get()[i]) / 65535.0f;
-            texture.floats[i] = texture.srgb && i % 4 != 3 ? srgbToLinear(value) : value;
-        }
-    } else {
-        const auto pixels = owned(stbi_load_from_memory(encoded.data(), length, &width, &height, &channels, 4));
-        texture.bytes.assign(pixels.get(), pixels.get() + count);
-    }
-    texture.width = uint32_t(width);
-    texture.height = uint32_t(height);
+    auto image = decodePng(encoded, sizeCheck(file, place, encoded.size()));
+    if (!image.valid)
+        fail("{}: {}: is damaged ({}); save the image again", file.name(), place, printable(image.message));
+    if (image.sixteenBits)
+        texture.floats = toFloats(image.rgba, texture.srgb);
+    else
+        texture.bytes = std::move(image.rgba);
+    texture.width = image.width;
+    texture.height = image.height;
 }
 
 void decodeJpegInto(const File& file, const std::string& place, std::span<const uint8_t> encoded, Texture& texture)
 {
-    auto image = decodeJpeg(encoded, LARGEST_SIDE);
+    auto image = decodeJpeg(encoded, sizeCheck(file, place, encoded.size()));
     if (!image.valid)
         fail("{}: {}: is damaged ({}); save the image again", file.name(), place, printable(image.message));
-    checkSize(file, place, image.width, image.height);
     if (!image.message.empty())
         warn("{}: {}: is damaged ({})", file.name(), place, printable(image.message));
     texture.bytes = std::move(image.rgba);
     texture.width = image.width;
     texture.height = image.height;
+}
+
+/// The first bytes that every file of a format has.
+bool beginsWith(std::span<const uint8_t> encoded, std::string_view magic)
+{
+    return encoded.size() >= magic.size() && std::memcmp(encoded.data(), magic.data(), magic.size()) == 0;
 }
 
 }  // namespace
@@ -87,8 +87,12 @@ void decodeImage(const File& file, int index, Texture& texture)
     const auto encoded = encodedBytes(file, image);
     if (encoded.empty())
         fail("{}: {}: cannot be read; put the file beside the scene", file.name(), place);
-    const bool jpeg = encoded.size() > 2 && encoded[0] == 0xff && encoded[1] == 0xd8;
-    jpeg ? decodeJpegInto(file, place, encoded, texture) : decodePngInto(file, place, encoded, texture);
+    if (beginsWith(encoded, "\xff\xd8"))
+        decodeJpegInto(file, place, encoded, texture);
+    else if (beginsWith(encoded, "\x89PNG\r\n\x1a\n"))
+        decodePngInto(file, place, encoded, texture);
+    else
+        fail("{}: {}: is not a PNG or JPEG; save the image again", file.name(), place);
 }
 
 }  // namespace restirpg::gltf

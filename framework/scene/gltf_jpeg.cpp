@@ -3,6 +3,7 @@
 
 #include <csetjmp>
 #include <cstdio>
+#include <memory>
 
 #include <jpeglib.h>
 
@@ -13,6 +14,7 @@ namespace {
 /// libjpeg reports a fatal error by a callback that must not return.
 struct ErrorManager {
     jpeg_error_mgr base;
+    jpeg_progress_mgr progress;
     std::jmp_buf escape;
     char message[JMSG_LENGTH_MAX];  ///< the error, or the first warning
 };
@@ -35,17 +37,31 @@ void keepWarning(j_common_ptr codec, int level)
         codec->err->format_message(codec, managerOf(codec).message);
 }
 
+/// Every scan of a progressive file goes over the whole image, and a scan may be a few bytes long. 67 million pixels may
+/// have 32 scans, and 1024 x 1024 have 2048. Encoders write about 10.
+constexpr uint64_t MAX_SCANNED_PIXELS = 1ull << 31;
+
+void limitScans(j_common_ptr codec)
+{
+    const auto& image = *reinterpret_cast<j_decompress_ptr>(codec);
+    const uint64_t pixels = uint64_t(image.image_width) * image.image_height;
+    if (uint64_t(image.input_scan_number) * pixels <= MAX_SCANNED_PIXELS)
+        return;
+    std::snprintf(managerOf(codec).message, sizeof managerOf(codec).message, "it has too many scans");
+    std::longjmp(managerOf(codec).escape, 1);
+}
+
 /// The part between setjmp and longjmp: no object with a destructor may live here.
 bool decompress(jpeg_decompress_struct& codec, ErrorManager& manager, std::span<const uint8_t> encoded,
-                uint32_t largestSide, std::vector<uint8_t>& rgba)
+                const CheckSize& check, std::vector<uint8_t>& rgba)
 {
     if (setjmp(manager.escape))
         return false;
     jpeg_create_decompress(&codec);
+    codec.progress = &manager.progress;
     jpeg_mem_src(&codec, encoded.data(), static_cast<unsigned long>(encoded.size()));
     jpeg_read_header(&codec, TRUE);
-    if (codec.image_width > largestSide || codec.image_height > largestSide)
-        return true;
+    check(codec.image_width, codec.image_height, false);
     codec.out_color_space = JCS_EXT_RGBA;
     jpeg_start_decompress(&codec);
     rgba.resize(size_t(codec.output_width) * codec.output_height * 4);
@@ -59,19 +75,20 @@ bool decompress(jpeg_decompress_struct& codec, ErrorManager& manager, std::span<
 
 }  // namespace
 
-JpegImage decodeJpeg(std::span<const uint8_t> encoded, uint32_t largestSide)
+JpegImage decodeJpeg(std::span<const uint8_t> encoded, const CheckSize& check)
 {
     JpegImage image;
     jpeg_decompress_struct codec{};
+    const std::unique_ptr<jpeg_decompress_struct, void (*)(j_decompress_ptr)> owner(&codec, jpeg_destroy_decompress);
     ErrorManager manager{};
     codec.err = jpeg_std_error(&manager.base);
     manager.base.error_exit = escapeWithMessage;
     manager.base.emit_message = keepWarning;
-    image.valid = decompress(codec, manager, encoded, largestSide, image.rgba);
+    manager.progress.progress_monitor = limitScans;
+    image.valid = decompress(codec, manager, encoded, check, image.rgba);
     image.width = codec.image_width;
     image.height = codec.image_height;
     image.message = manager.message;
-    jpeg_destroy_decompress(&codec);
     return image;
 }
 

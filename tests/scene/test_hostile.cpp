@@ -6,6 +6,8 @@
 #include "scene/lights.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -43,6 +45,55 @@ std::string errorOfBytes(const std::vector<uint8_t>& bytes, const char* name = "
 {
     writeBytes(scratch() / name, bytes);
     return errorOf([&] { loadGltf(scratch() / name); });
+}
+
+void append32(std::vector<uint8_t>& bytes, uint32_t value)
+{
+    for (int shift = 24; shift >= 0; shift -= 8)
+        bytes.push_back(uint8_t(value >> shift));
+}
+
+void appendChunk(std::vector<uint8_t>& png, const std::string& type, const std::vector<uint8_t>& data)
+{
+    append32(png, uint32_t(data.size()));
+    const size_t begin = png.size();
+    png.insert(png.end(), type.begin(), type.end());
+    png.insert(png.end(), data.begin(), data.end());
+    append32(png, uint32_t(crc32(0, png.data() + begin, uInt(png.size() - begin))));
+}
+
+/// A grey PNG with a header of this size and `raw` bytes of zeros as its compressed data.
+std::vector<uint8_t> forgedPng(uint32_t width, uint32_t height, uint8_t depth, size_t raw)
+{
+    std::vector<uint8_t> png = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'}, header;
+    append32(header, width);
+    append32(header, height);
+    header.insert(header.end(), {depth, 0, 0, 0, 0});
+    appendChunk(png, "IHDR", header);
+    const std::vector<uint8_t> zeros(raw);
+    std::vector<uint8_t> data(compressBound(uLong(raw)));
+    uLongf size = uLongf(data.size());
+    compress(data.data(), &size, zeros.data(), uLong(raw));
+    data.resize(size);
+    appendChunk(png, "IDAT", data);
+    appendChunk(png, "IEND", {});
+    return png;
+}
+
+GltfBuilder sceneWithImage(const std::vector<uint8_t>& encoded)
+{
+    auto builder = squareScene();
+    const int texture = builder.addTexture(encoded);
+    builder.addMaterial({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}}});
+    primitiveOf(builder)["material"] = 0;
+    return builder;
+}
+
+long peakKibibytes()
+{
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
 }
 
 }  // namespace
@@ -135,12 +186,12 @@ TEST(Hostile, ImagesThatDoNotDecodeAreNamed)
     truncated.resize(45);
     expectError(textured(truncated), {"image 0 'Bricks'", "damaged"});
     expectError(textured(std::vector<uint8_t>(40, 1)), {"image 0 'Bricks'", "not a PNG or JPEG"});
-    auto giant = png;
-    giant[17] = 0x7f;  // IHDR width: 0x007f0004
-    expectError(textured(giant), {"image 0 'Bricks'", "8323076 x 4"});
-    auto empty = png;
-    empty[19] = 0;
-    expectError(textured(empty), {"image 0 'Bricks'"});
+    expectError(textured(forgedPng(8323076, 4, 8, 64)), {"image 0 'Bricks'", "8323076 x 4"});
+    expectError(textured(forgedPng(0, 4, 8, 64)), {"image 0 'Bricks'", "damaged"});
+    expectError(textured(forgedPng(4, 4, 8, 7)), {"image 0 'Bricks'", "damaged"});
+    auto flipped = png;
+    flipped[19] ^= 1;
+    expectError(textured(flipped), {"image 0 'Bricks'", "damaged (IHDR: CRC error)"});
     expectError(
         [&](auto& b) {
             textured(png)(b);
@@ -347,4 +398,46 @@ TEST(Mutations, OfTexturesAndMaterialsEndInASceneOrAnError)
 TEST(Mutations, OfNodesLightsAndAnimationEndInASceneOrAnError)
 {
     mutate(animatedScene(), 1000, 3);
+}
+
+TEST(Hostile, ABombIsRefusedByItsHeader)
+{
+    const long before = peakKibibytes();
+    for (const uint8_t depth : {1, 8, 16}) {
+        const auto message = errorOf(sceneWithImage(forgedPng(16384, 16384, depth, 1 << 20)));
+        EXPECT_NE(message.find("image 0: cannot read: the header claims 16384x16384 pixels"), message.npos) << message;
+        EXPECT_NE(message.find("decompression bomb"), message.npos) << message;
+    }
+    EXPECT_LT(peakKibibytes() - before, 32 << 10);
+}
+
+TEST(Hostile, DataBeyondTheHeadersSizeIsNotInflated)
+{
+    const auto builder = sceneWithImage(forgedPng(4, 4, 8, 256 << 20));
+    const long before = peakKibibytes();
+    EXPECT_EQ(load(builder).textures.at(0).width, 4u);
+    EXPECT_LT(peakKibibytes() - before, 32 << 10);
+}
+
+TEST(Hostile, AnImageThatNeedsMoreMemoryThanThereIsIsOneLine)
+{
+#if defined(__SANITIZE_ADDRESS__)
+    GTEST_SKIP() << "the sanitizer takes terabytes of address space";
+#endif
+    const auto builder = sceneWithImage(forgedPng(8000, 8000, 16, 8 << 20));
+    rlimit unlimited{}, limited{};
+    getrlimit(RLIMIT_AS, &unlimited);
+    limited = {rlim_t(3) << 30, unlimited.rlim_max};
+    setrlimit(RLIMIT_AS, &limited);
+    const auto message = errorOf(builder);
+    setrlimit(RLIMIT_AS, &unlimited);
+    EXPECT_NE(message.find("image 0: cannot read: an image of 8000x8000 pixels needs 3.3 GiB of memory, of which 1."),
+              message.npos)
+        << message;
+}
+
+/// Not damaged, and large for a machine of 16 GB: 8192 x 4096.
+TEST(Hostile, AnImageOfEightThousandPixelsIsRead)
+{
+    EXPECT_EQ(load(sceneWithImage(forgedPng(8192, 4096, 8, 8193u << 12))).textures.at(0).bytes.size(), 4u << 25);
 }

@@ -1,5 +1,4 @@
-// OpenEXR files, through the OpenEXR library.
-#include "image/exr_header.h"
+// Writing OpenEXR files, through the OpenEXR library.
 #include "image/image.h"
 
 #include "core/error.h"
@@ -10,7 +9,6 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
-#include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
 #include <half.h>
@@ -78,40 +76,6 @@ private:
     OutputFile& output_;
 };
 
-/// The library's exceptions as one Error. A hostile file may throw anything derived from std::exception, bad_alloc too.
-template <typename Read>
-auto readSafely(const fs::path& file, Read&& read)
-{
-    checkExrHeader(file);
-    try {
-        return read();
-    } catch (const Error&) {
-        throw;
-    } catch (const std::exception& error) {
-        fail("{}: cannot read: {}; the file is damaged or of an unsupported kind, write it again as a scanline EXR",
-             file.string(), firstLine(error.what()));
-    }
-}
-
-/// The channel that each of the three colours is read from; an empty name leaves it 0.
-std::array<std::string, 3> colourChannels(const fs::path& file, const Imf::ChannelList& channels,
-                                          const std::string& layer)
-{
-    const std::string prefix = layer.empty() ? "" : layer + ".";
-    const auto has = [&](const char* suffix) { return channels.findChannel(prefix + suffix) != nullptr; };
-    if (has("R") && has("G") && has("B"))
-        return {prefix + "R", prefix + "G", prefix + "B"};
-    if (has("X") && has("Y"))
-        return {prefix + "X", prefix + "Y", ""};
-    if (has("Y"))
-        return {prefix + "Y", prefix + "Y", prefix + "Y"};
-    std::string present;
-    for (auto channel = channels.begin(); channel != channels.end(); ++channel)
-        present += (present.empty() ? "" : ", ") + std::string(channel.name());
-    fail("{}: cannot read: no channels {}R, {}G, {}B and no {}Y; it has {}", file.string(), prefix, prefix, prefix,
-         prefix, present);
-}
-
 void storePixels(const fs::path& file, const Imf::Header& header, const Imf::FrameBuffer& pixels)
 {
     OutputFile output(file);
@@ -166,41 +130,6 @@ void writeExr(const fs::path& file, const std::vector<Layer>& layers, PixelType 
         }
     }
     storePixels(file, header, pixels);
-}
-
-Image readExr(const fs::path& file, const std::string& layer)
-{
-    return readSafely(file, [&] {
-        Imf::InputFile input(file.c_str());
-        const Imath::Box2i window = input.header().dataWindow();
-        const std::array<std::string, 3> names = colourChannels(file, input.header().channels(), layer);
-
-        Image image{uint32_t(window.max.x - window.min.x + 1), uint32_t(window.max.y - window.min.y + 1), 3, {}};
-        image.data.resize(size_t(image.width) * image.height * 3);
-        Imf::FrameBuffer pixels;
-        // A frame buffer holds a channel once; Y three times is read into the first colour and copied.
-        for (uint32_t c = 0; c < 3 && !names[c].empty() && (c == 0 || names[c] != names[0]); ++c)
-            pixels.insert(names[c], Imf::Slice::Make(Imf::FLOAT, image.data.data() + c, window, 3 * sizeof(float),
-                                                     3 * sizeof(float) * image.width));
-        input.setFrameBuffer(pixels);
-        input.readPixels(window.min.y, window.max.y);
-        if (names[1] == names[0])
-            for (size_t i = 0; i < image.data.size(); i += 3)
-                image.data[i + 1] = image.data[i + 2] = image.data[i];
-        return image;
-    });
-}
-
-std::map<std::string, std::string> readExrAttributes(const fs::path& file)
-{
-    return readSafely(file, [&] {
-        Imf::InputFile input(file.c_str());
-        std::map<std::string, std::string> attributes;
-        for (auto entry = input.header().begin(); entry != input.header().end(); ++entry)
-            if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&entry.attribute()))
-                attributes[entry.name()] = text->value();
-        return attributes;
-    });
 }
 
 }  // namespace restirpg
