@@ -185,6 +185,39 @@ TEST(LightSampling, LightsAreSelectedByTheirProbability)
     EXPECT_LT(selection(scene, ERROR_BEND).p, 1e-6);
 }
 
+/// What cells and stored positions are measured by stands still while nodes move about the scene, and follows when they leave it;
+/// powers follow every pose.
+TEST(LightSampling, TheSceneIsMeasuredAgainWhenItsNodesLeaveIt)
+{
+    Scene source = triangleLightScene();
+    addPunctualLights(source);
+    UploadedScene scene(source);
+    const auto pose = poseNodes(scene.scene, 0);
+    const SceneTable first = scene.gpu.table();
+    const auto directional = [&] {
+        for (const Light& light : scene.gpu.lights().lights)
+            if (light.type == LIGHT_DIRECTIONAL)
+                return light.pmf;
+        return 0.0f;
+    };
+    const auto moveFirst = [&](float distance) {
+        auto moved = pose;
+        moved[scene.scene.instances[0].node][3].x += distance;
+        scene.gpu.update(moved);
+    };
+    const float before = directional();
+    moveFirst(0.5f * first.radius);
+    EXPECT_EQ(scene.gpu.table().radius, first.radius);
+    EXPECT_EQ(scene.gpu.table().center, first.center);
+    EXPECT_GT(directional(), before) << "its disk has grown";
+    moveFirst(10 * first.radius);
+    EXPECT_GT(scene.gpu.table().radius, 4 * first.radius);
+    EXPECT_GT(scene.gpu.table().center.x, first.center.x + 4 * first.radius);
+    moveFirst(0);
+    EXPECT_LT(scene.gpu.table().radius, 1.01f * first.radius) << "it has shrunk to less than a quarter";
+    EXPECT_EQ(directional(), before);
+}
+
 TEST(LightSampling, ASceneWithoutLightsGivesNoSample)
 {
     const UploadedScene scene(darkScene());
