@@ -2,6 +2,7 @@
 #ifndef RESTIRPG_NEIGHBOURS_GLSL
 #define RESTIRPG_NEIGHBOURS_GLSL
 
+#include "sampling.glsl"
 #include "surface.glsl"
 
 /// The shading normal on the camera's side.
@@ -10,12 +11,34 @@ vec3 normal_towards(Surface s, vec3 camera)
     return dot(s.geometric_normal, camera - s.position) < 0.0 ? -s.shading_normal : s.shading_normal;
 }
 
-/// Do two surfaces, as the camera sees them, look alike enough that sharing samples between them pays?
-bool is_similar(Surface a, Surface b, vec3 camera, float normal_threshold, float depth_threshold)
+/// What pixels are compared by.
+struct Appearance {
+    vec3 normal;  ///< interpolated, on the camera's side
+    float distance;  ///< from the camera, m
+};
+
+Appearance appearance(Surface s, vec3 camera)
 {
-    float depth = distance(a.position, camera);
-    return dot(normal_towards(a, camera), normal_towards(b, camera)) >= normal_threshold &&
-           abs(depth - distance(b.position, camera)) <= depth_threshold * depth;
+    return Appearance(normal_towards(s, camera), distance(s.position, camera));
+}
+
+/// That of a pixel's surface in the frame of the "Surface" port.
+Appearance load_appearance(Address surfaces, uint pixel)
+{
+    uvec2 word = unpackUint2x32(WordArray(surfaces + uint64_t(pixel) * PRIMARY_HIT_BYTES).at[2]);
+    return Appearance(unpack_direction(word.x), uintBitsToFloat(word.y));
+}
+
+PrimaryHit make_primary_hit(Hit hit, Surface s, vec3 camera)
+{
+    Appearance seen = appearance(s, camera);
+    return PrimaryHit(hit, pack_direction(seen.normal), seen.distance);
+}
+
+/// Do two surfaces look alike enough that sharing samples between them pays?
+bool is_similar(Appearance a, Appearance b, float normal_threshold, float depth_threshold)
+{
+    return dot(a.normal, b.normal) >= normal_threshold && abs(a.distance - b.distance) <= depth_threshold * a.distance;
 }
 
 /// Index of the pixel that showed this one's surface in the frame before; false: outside of the image. Of the four pixels around

@@ -8,17 +8,6 @@
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PathVertexArray { PathVertex at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GuidingSampleArray { GuidingSample at[]; };
 
-/// A unit direction in 32 bits, octahedral. A direction is packed before it is traced, so that a copy of it is exact.
-uint pack_direction(vec3 w)
-{
-    return packSnorm2x16(encode_octahedral(w));
-}
-
-vec3 unpack_direction(uint bits)
-{
-    return decode_octahedral(unpackSnorm2x16(bits));
-}
-
 /// Lower corner and side of the cube that positions are quantised in, m.
 vec4 position_cube()
 {

@@ -73,6 +73,17 @@ vec3 decode_octahedral(vec2 p)
     return normalize(w);
 }
 
+/// A unit direction in 32 bits, octahedral. A direction is packed before it is traced, so that a copy of it is exact.
+uint pack_direction(vec3 w)
+{
+    return packSnorm2x16(encode_octahedral(w));
+}
+
+vec3 unpack_direction(uint bits)
+{
+    return decode_octahedral(unpackSnorm2x16(bits));
+}
+
 /// Uniform barycentrics: weights of the second and third vertex.
 vec2 sample_triangle(vec2 u)
 {

@@ -13,9 +13,19 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Mes
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer InstanceArray { Instance at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightArray { Light at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ImportanceCellArray { ImportanceCell at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer HitArray { Hit at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PrimaryHitArray { PrimaryHit at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer WordArray { uint64_t at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FloatImage { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Vec3Image { vec3 at[]; };
+
+/// The hit of a pixel, from a "Surface" port.
+Hit primary_hit(Address surfaces, uint pixel)
+{
+    // In 64-bit words: on CPU devices a load costs the same whatever its width.
+    WordArray words = WordArray(surfaces + uint64_t(pixel) * PRIMARY_HIT_BYTES);
+    uvec2 ids = unpackUint2x32(words.at[0]);
+    return Hit(ids.x, ids.y, uintBitsToFloat(unpackUint2x32(words.at[1])));
+}
 
 /// A material's texture at the surface's coordinates.
 vec4 fetch_texture(TextureRef map, vec2 uv0, vec2 uv1)

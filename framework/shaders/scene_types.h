@@ -195,12 +195,21 @@ struct BvhObject {
     uint masked;  ///< 1: some triangle has an alpha mask
 };
 
-/// A primary or secondary hit: enough to rebuild the surface. The payload type of the graph's "Surface" ports. 16 bytes.
+/// A primary or secondary hit: enough to rebuild the surface. 16 bytes.
 struct Hit {
     uint instance;  ///< INVALID_INDEX: the ray escaped
     uint triangle;  ///< within the mesh
     vec2 barycentrics;  ///< weights of the second and third vertex
 };
+
+/// What a pixel sees: the payload type of the graph's "Surface" ports. With the hit stands what reuse compares pixels by, as the
+/// camera saw it in its frame, so that to choose neighbours takes no look at the scene. 24 bytes.
+struct PrimaryHit {
+    Hit hit;
+    uint normal;  ///< interpolated normal on the camera's side, packed (pack_direction); not set where the ray escaped
+    float distance;  ///< from the camera, m
+};
+RESTIRPG_CONST PRIMARY_HIT_BYTES = 24u;
 
 RESTIRPG_SHARED_END
 #endif

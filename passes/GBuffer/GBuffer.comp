@@ -4,6 +4,7 @@
 #include "camera.glsl"
 #include "environment.glsl"
 #include "lights.glsl"
+#include "neighbours.glsl"
 #include "random.glsl"
 #include "surface.glsl"
 #include "trace.glsl"
@@ -11,7 +12,6 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { GBufferParameters params; };
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer HitImage { Hit at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Vec2Image { vec2 at[]; };
 
 /// Where the point was on the previous frame's pixel plane, minus where it is.
@@ -26,6 +26,8 @@ void write_surface(uint pixel, Hit hit, vec3 direction, vec2 size)
 {
     Surface surface = load_surface(hit, false);
     ShadingPoint point = shade_surface(surface, -direction);
+    if (params.surface != 0ul)
+        PrimaryHitArray(params.surface).at[pixel] = make_primary_hit(hit, surface, frame.c.camera.position);
     if (params.emission != 0ul)
         Vec3Image(params.emission).at[pixel] = triangle_emission(hit.instance, hit.triangle, hit.barycentrics, point.front);
     if (params.normal != 0ul)
@@ -42,8 +44,10 @@ void write_surface(uint pixel, Hit hit, vec3 direction, vec2 size)
         FloatImage(params.material).at[pixel] = float(surface.material);
 }
 
-void write_miss(uint pixel, vec3 direction, vec2 point, vec2 size)
+void write_miss(uint pixel, Hit hit, vec3 direction, vec2 point, vec2 size)
 {
+    if (params.surface != 0ul)
+        PrimaryHitArray(params.surface).at[pixel] = PrimaryHit(hit, 0u, 0.0);
     if (params.emission != 0ul)
         Vec3Image(params.emission).at[pixel] = environment_radiance(direction);
     if (params.normal != 0ul)
@@ -80,10 +84,8 @@ void main()
     Hit hit;
     float t;
     bool found = trace_closest(frame.c.camera.position, direction, RAY_INFINITY, hit, t);
-    if (params.surface != 0ul)
-        HitImage(params.surface).at[pixel] = hit;
     if (found)
         write_surface(pixel, hit, direction, size);
     else
-        write_miss(pixel, direction, point, size);
+        write_miss(pixel, hit, direction, point, size);
 }

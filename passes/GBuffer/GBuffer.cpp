@@ -7,7 +7,7 @@ class GBuffer final : public Pass {
 public:
     void describe(Interface& io) override
     {
-        io.output("surface", surface_, perPixel<Hit>("Surface"), "primary hit: instance, triangle, barycentrics");
+        io.output("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit: instance, triangle, barycentrics; packed normal and distance from the camera");
         io.output("emission", emission_, image(3), "radiance that the primary hit, or the environment behind a miss, emits to the camera, W/sr/m^2");
         io.output("normal", normal_, image(3), "shading normal in world space, on the camera's side; 0 at a miss");
         io.output("geometric_normal", geometricNormal_, image(3), "geometric normal in world space, on the camera's side; 0 at a miss");

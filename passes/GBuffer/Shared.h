@@ -6,7 +6,7 @@ RESTIRPG_SHARED
 
 struct GBufferParameters {
     Address frame;  ///< FrameConstants
-    Address surface;  ///< Hit a pixel
+    Address surface;  ///< PrimaryHit per pixel
     Address emission;  ///< vec3 a pixel
     Address normal;  ///< vec3 a pixel
     Address geometricNormal;  ///< vec3 a pixel

@@ -39,12 +39,13 @@ Place load_place(Hit hit)
 /// Did a pixel of the frame before show a surface like this one?
 bool find_similar(Place here, uint pixel, out Surface there)
 {
-    Hit hit = HitArray(params.previousSurface).at[pixel];
+    Hit hit = primary_hit(params.previousSurface, pixel);
     if (hit.instance == INVALID_INDEX)
         return false;
     there = load_surface(hit, true);
-    return there.material == here.surface.material && is_similar(here.surface, there, frame.c.previousCamera.position,
-                                                                 params.normalThreshold, params.depthThreshold);
+    return there.material == here.surface.material &&
+           is_similar(appearance(here.surface, frame.c.previousCamera.position), load_appearance(params.previousSurface, pixel),
+                      params.normalThreshold, params.depthThreshold);
 }
 
 /// Take the sample of a pixel's first bounce into the moments, seen from here: towards the point it met.
@@ -117,7 +118,7 @@ void main()
     if (any(greaterThanEqual(at, frame.c.size)))
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
-    Hit hit = HitArray(params.surface).at[pixel];
+    Hit hit = primary_hit(params.surface, pixel);
     ScreenStatistics statistics = no_statistics();
     ScreenLobe lobe = ScreenLobe(SCREEN_LOBE_NONE, vec2(0.0), vec3(0.0));
     vec3 normal = vec3(0.0, 0.0, 1.0);

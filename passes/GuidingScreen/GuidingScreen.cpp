@@ -23,9 +23,9 @@ public:
     void describe(Interface& io) override
     {
         const PortType statistics = perPixel<ScreenStatistics>("ScreenStatistics");
-        io.input("surface", surface_, perPixel<Hit>("Surface"), "primary hit of each pixel");
+        io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
         io.input("motion", motion_, image(2), "where the point was in the frame before, minus where it is, in pixels");
-        io.input("previous_surface", previousSurface_, perPixel<Hit>("Surface"), "the surface one frame ago: prev(\"gbuffer.surface\")");
+        io.input("previous_surface", previousSurface_, perPixel<PrimaryHit>("Surface"), "the surface one frame ago: prev(\"gbuffer.surface\")");
         io.input("samples", samples_, fixedSize("GuidingSamples", {}),
                  "directions that paths took, weighted by the light they found, one frame ago: prev(\"paths.samples\")");
         io.input("history", history_, statistics, "the output statistics, one frame ago: prev(\"guide.statistics\")");

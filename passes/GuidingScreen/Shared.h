@@ -26,8 +26,8 @@ struct ScreenLobe {
 
 struct GuidingScreenParameters {
     Address frame;  ///< FrameConstants
-    Address surface;  ///< Hit a pixel
-    Address previousSurface;  ///< Hit a pixel, one frame ago
+    Address surface;  ///< PrimaryHit per pixel
+    Address previousSurface;  ///< PrimaryHit per pixel, one frame ago
     Address motion;  ///< vec2 a pixel
     Address samples;  ///< GuidingSample, `stride` a pixel, one frame ago
     Address history;  ///< ScreenStatistics a pixel, one frame ago

@@ -67,5 +67,5 @@ void main()
     if (any(greaterThanEqual(at, frame.c.size)))
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
-    Vec3Image(params.image).at[pixel] = view(HitArray(params.surface).at[pixel]);
+    Vec3Image(params.image).at[pixel] = view(primary_hit(params.surface, pixel));
 }

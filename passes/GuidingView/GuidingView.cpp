@@ -16,7 +16,7 @@ class GuidingView final : public Pass {
 public:
     void describe(Interface& io) override
     {
-        io.input("surface", surface_, perPixel<Hit>("Surface"), "primary hit of each pixel");
+        io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
         io.input("guide", guide_, guide({}, {}), "a guide of GuidingFit, of this frame or the one before");
         io.output("image", image_, image(3), "false colours of the cells that the pixels see; black: no guidance there");
         io.choice("show", show_, VIEWS, "cell: a colour each; level of the grid; samples last fitted to; frames since then; largest kappa; weight of the heaviest lobe; probability of the guide that the cell has learnt");

@@ -7,7 +7,7 @@ RESTIRPG_SHARED
 
 struct GuidingViewParameters {
     Address frame;  ///< FrameConstants
-    Address surface;  ///< Hit a pixel
+    Address surface;  ///< PrimaryHit per pixel
     Address guide;  ///< of GuidingFit
     Address image;  ///< vec3 a pixel; written
     uint show;  ///< VIEW_*

@@ -293,13 +293,13 @@ void main()
     uint pixel = at.y * frame.c.size.x + at.x;
     kept = empty_path_reservoir(1.0);
     weight_sum = 0.0;
-    begin_training();
-    Hit hit = HitArray(params.surface).at[pixel];
+    begin_training(pixel);
+    Hit hit = primary_hit(params.surface, pixel);
     if (hit.instance != INVALID_INDEX)
         trace_tree(hit, at);
     kept.confidence = 1.0;
     kept.ucw = weight_sum > 0.0 ? weight_sum / luminance(kept.f) : 0.0;
     if (params.candidates != 0ul)
         PathReservoirArray(params.candidates).at[pixel] = kept;
-    write_training(pixel);
+    end_training();
 }

@@ -91,7 +91,7 @@ void main()
     if (any(greaterThanEqual(at, frame.c.size)))
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
-    Hit hit = HitArray(params.surface).at[pixel];
+    Hit hit = primary_hit(params.surface, pixel);
     vec3 radiance = vec3(0.0);
     if (hit.instance != INVALID_INDEX)
         radiance = trace_path(hit, at, random_key(at, frame.c.frame, frame.c.seed));

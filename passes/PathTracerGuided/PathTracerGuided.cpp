@@ -20,7 +20,7 @@ class PathTracerGuided final : public Pass {
 public:
     void describe(Interface& io) override
     {
-        io.input("surface", surface_, perPixel<Hit>("Surface"), "primary hit of each pixel");
+        io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
         io.optionalInput("guide", guide_, guide({}, {}), "directions worth sampling, with the GLSL module of the pass that makes them; unwired: a plain path tracer");
         io.output("radiance", radiance_, image(3), "one path's estimate of the light scattered to the camera, W/sr/m^2, without emission of the primary hit");
         io.output("candidates", candidates_, perPixel<PathReservoir>("PathReservoir"),

@@ -6,7 +6,7 @@ RESTIRPG_SHARED
 
 struct PathTracerParameters {
     Address frame;  ///< FrameConstants
-    Address surface;  ///< Hit a pixel
+    Address surface;  ///< PrimaryHit per pixel
     Address radiance;  ///< vec3 a pixel; 0: nobody reads it
     Address candidates;  ///< PathReservoir a pixel; 0: nobody reads it
     Address guide;  ///< what the guide's module reads; 0: no guide

@@ -1,15 +1,14 @@
-// What guides are trained on: the bounces of the kept path, and all bounces of the tree with the light that came back along each.
+// What guides are trained on: the bounces of the kept path, and all bounces of the tree with the light that came back along each. The
+// kept path's bounces are written as the tree goes: an array of them, indexed at run time, is slow on CPU devices.
 // Compiled away where nobody reads the ports (VERTICES, SAMPLES).
 #ifndef RESTIRPG_PATH_TRACER_TRAINING_GLSL
 #define RESTIRPG_PATH_TRACER_TRAINING_GLSL
 
 #include "path_vertex.glsl"
 
-#if VERTICES || SAMPLES
-/// The tree's bounces; number u - 1 is bounce u.
-PathVertex tree_vertices[PATH_MAX_EDGES];
+/// Bounces of the tree so far, and where the pixel's first one stands in the ports' arrays.
 uint tree_bounces;
-#endif
+uint first_bounce;
 
 #if VERTICES
 /// The last bounce of the kept path; those before it are the tree's.
@@ -19,6 +18,7 @@ PathVertex kept_last;
 #if SAMPLES
 /// An edge of the tree, from x_u to x_{u+1}.
 struct TreeEdge {
+    PathVertex vertex;  ///< x_u
     vec3 scatter;  ///< f |cos| over the density
     vec3 absorption;  ///< along the edge
     vec3 incident;  ///< estimate of the radiance that arrives at x_u
@@ -28,11 +28,10 @@ struct TreeEdge {
 TreeEdge tree_edges[PATH_MAX_EDGES];
 #endif
 
-void begin_training()
+void begin_training(uint pixel)
 {
-#if VERTICES || SAMPLES
     tree_bounces = 0u;
-#endif
+    first_bounce = pixel * (params.bounces + 1u);
 }
 
 /// The kept path ends with this bounce.
@@ -47,12 +46,12 @@ void keep_last_vertex(PathVertex last, bool light_sampled)
 /// Bounce u of the tree: its scattering, over the density; the absorption along its edge, and the edge's length.
 void note_bounce(uint u, PathVertex v, vec3 scatter, vec3 absorption, float density, float distance)
 {
-#if VERTICES || SAMPLES
-    tree_vertices[u - 1u] = v;
     tree_bounces = u;
+#if VERTICES
+    PathVertexArray(params.vertices).at[first_bounce + u - 1u] = v;
 #endif
 #if SAMPLES
-    tree_edges[u - 1u] = TreeEdge(scatter, absorption, vec3(0.0), density, distance);
+    tree_edges[u - 1u] = TreeEdge(v, scatter, absorption, vec3(0.0), density, distance);
 #endif
 }
 
@@ -69,39 +68,37 @@ void note_light(uint u, vec3 radiance)
 }
 
 #if VERTICES
-/// The kept path's bounces, and nothing after them.
-void write_vertices(uint pixel)
+/// After the kept path's bounces, which are the tree's but for the last, nothing.
+void end_vertices()
 {
-    uint stride = params.bounces + 1u;
     uint count = kept.ucw > 0.0 ? path_edges(kept) - 1u : 0u;
-    for (uint i = 0u; i < stride; ++i) {
-        PathVertex v = i + 1u < count ? tree_vertices[i] : i + 1u == count ? kept_last : no_path_vertex();
-        PathVertexArray(params.vertices).at[pixel * stride + i] = v;
-    }
+    if (count > 0u)
+        PathVertexArray(params.vertices).at[first_bounce + count - 1u] = kept_last;
+    for (uint i = count; i <= params.bounces; ++i)
+        PathVertexArray(params.vertices).at[first_bounce + i] = no_path_vertex();
 }
 #endif
 
 #if SAMPLES
 /// Every bounce of the tree, whether it found light or not. A delta has no density: its vertex is none.
-void write_samples(uint pixel)
+void write_samples()
 {
-    uint stride = params.bounces + 1u;
-    for (uint i = 0u; i < stride; ++i) {
+    for (uint i = 0u; i <= params.bounces; ++i) {
         GuidingSample s = GuidingSample(no_path_vertex(), 0.0, 0.0);
         if (i < tree_bounces)
-            s = GuidingSample(tree_vertices[i], luminance(tree_edges[i].incident) / tree_edges[i].density, tree_edges[i].distance);
-        GuidingSampleArray(params.samples).at[pixel * stride + i] = s;
+            s = GuidingSample(tree_edges[i].vertex, luminance(tree_edges[i].incident) / tree_edges[i].density, tree_edges[i].distance);
+        GuidingSampleArray(params.samples).at[first_bounce + i] = s;
     }
 }
 #endif
 
-void write_training(uint pixel)
+void end_training()
 {
 #if VERTICES
-    write_vertices(pixel);
+    end_vertices();
 #endif
 #if SAMPLES
-    write_samples(pixel);
+    write_samples();
 #endif
 }
 

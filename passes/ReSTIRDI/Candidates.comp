@@ -80,7 +80,7 @@ void main()
     if (any(greaterThanEqual(at, frame.c.size)))
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
-    Hit hit = HitArray(params.surface).at[pixel];
+    Hit hit = primary_hit(params.surface, pixel);
     LightReservoir r = LightReservoir(LightPoint(0u, 0u, vec2(0.0)), 0.0, 0.0, 0.0);
     if (hit.instance != INVALID_INDEX) {
         Domain domain = load_domain(hit, false);

@@ -17,7 +17,7 @@ void main()
     LightReservoir r = LightReservoirArray(params.source).at[pixel];
     vec3 radiance = vec3(0.0);
     if (r.ucw > 0.0) {
-        ShadingPoint p = load_domain(HitArray(params.surface).at[pixel], false).point;
+        ShadingPoint p = load_domain(primary_hit(params.surface, pixel), false).point;
         radiance = r.ucw * direct_contribution(p, connect(r.point, p.position, false));
     }
     Vec3Image(params.radiance).at[pixel] = radiance;

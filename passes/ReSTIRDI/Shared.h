@@ -20,8 +20,8 @@ RESTIRPG_CONST FAULT_MIXTURE = 6u;  ///< BSDF candidates are left out of the can
 /// Push constants of every kernel of the pass; each reads what it needs.
 struct ReSTIRDIParameters {
     Address frame;  ///< FrameConstants
-    Address surface;  ///< Hit a pixel
-    Address previousSurface;  ///< Hit a pixel, of the frame before
+    Address surface;  ///< PrimaryHit per pixel
+    Address previousSurface;  ///< PrimaryHit per pixel, of the frame before
     Address motion;  ///< vec2 a pixel
     Address history;  ///< LightReservoir a pixel, of the frame before
     Address source;  ///< LightReservoir a pixel, read by Spatial.comp and Shade.comp

@@ -13,16 +13,16 @@ void main()
     if (any(greaterThanEqual(at, frame.c.size)))
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
-    Hit hit = HitArray(params.surface).at[pixel];
+    Hit hit = primary_hit(params.surface, pixel);
     LightReservoir r = LightReservoirArray(params.source).at[pixel];
     if (hit.instance != INVALID_INDEX) {
-        merge.surfaces = HitArray(params.surface);
+        merge.surfaces = params.surface;
         merge.reservoirs = LightReservoirArray(params.source);
         merge.previous = false;
         merge.pairwise = params.pairwise != 0u;
         begin_merge(load_domain(hit, false), r);
         RandomKey key = direct_key(at);
-        add_around(params, key, at, hit);
+        add_around(params, key, at);
         if (merge.count > 0u)
             r = merge_reservoirs(key, params.round);
     }

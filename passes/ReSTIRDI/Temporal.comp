@@ -14,11 +14,11 @@ void main()
     if (any(greaterThanEqual(at, frame.c.size)))
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
-    Hit hit = HitArray(params.surface).at[pixel];
+    Hit hit = primary_hit(params.surface, pixel);
     if (hit.instance == INVALID_INDEX)
         return;
     LightReservoirArray reservoirs = LightReservoirArray(params.reservoirs);
-    merge.surfaces = HitArray(params.previousSurface);
+    merge.surfaces = params.previousSurface;
     merge.reservoirs = LightReservoirArray(params.history);
     merge.previous = true;
     merge.pairwise = false;  // of two participants, the balance heuristic costs no more

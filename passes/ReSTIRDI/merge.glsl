@@ -47,7 +47,7 @@ struct Merge {
     uint pixel[MAX_NEIGHBOURS];
     float confidence[MAX_NEIGHBOURS];
     float total;  ///< confidence of all participants
-    HitArray surfaces;  ///< of the neighbours' frame
+    Address surfaces;  ///< PrimaryHit per pixel of the neighbours' frame
     LightReservoirArray reservoirs;  ///< of the neighbours
     bool previous;  ///< the neighbours are of the frame before
     bool pairwise;
@@ -113,7 +113,7 @@ float target_at_centre(LightPoint y)
 
 float target_at_neighbour(uint j, LightPoint y)
 {
-    Domain d = load_domain(merge.surfaces.at[merge.pixel[j]], merge.previous);
+    Domain d = load_domain(primary_hit(merge.surfaces, merge.pixel[j]), merge.previous);
     return evaluate_target(d, y, RESTIRPG_FAULT != FAULT_VISIBILITY);
 }
 

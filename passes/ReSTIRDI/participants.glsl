@@ -12,27 +12,25 @@ void add_previous(ReSTIRDIParameters params, RandomKey key, uvec2 at, Hit hit, v
     uint pixel;
     if (!find_previous_pixel(at, motion, random2(key, RANDOM_PARTICIPANTS + TEMPORAL_ROUND, 0u), pixel))
         return;
-    Hit before = merge.surfaces.at[pixel];
-    if (before.instance == INVALID_INDEX)
+    if (primary_hit(merge.surfaces, pixel).instance == INVALID_INDEX)
         return;
-    if (!is_similar(load_surface(hit, true), load_surface(before, true), frame.c.previousCamera.position,
+    if (!is_similar(appearance(load_surface(hit, true), frame.c.previousCamera.position), load_appearance(merge.surfaces, pixel),
                     params.normalThreshold, params.depthThreshold))
         return;
     add_neighbour(pixel, min(merge.reservoirs.at[pixel].confidence, params.cap));
 }
 
 /// Add up to params.neighbours pixels, uniformly from the disk about this one.
-void add_around(ReSTIRDIParameters params, RandomKey key, uvec2 at, Hit hit)
+void add_around(ReSTIRDIParameters params, RandomKey key, uvec2 at)
 {
-    Surface centre = load_surface(hit, false);
+    Appearance centre = load_appearance(merge.surfaces, at.y * frame.c.size.x + at.x);
     float radius = disk_radius(params.radius);
     for (uint i = 0u; i < params.neighbours; ++i) {
         uint pixel;
         if (!find_neighbour_pixel(at, radius, random2(key, RANDOM_PARTICIPANTS + params.round, i), pixel))
             continue;
-        Hit there = merge.surfaces.at[pixel];
-        if (there.instance != INVALID_INDEX && is_similar(centre, load_surface(there, false), frame.c.camera.position,
-                                                          params.normalThreshold, params.depthThreshold))
+        if (primary_hit(merge.surfaces, pixel).instance != INVALID_INDEX &&
+            is_similar(centre, load_appearance(merge.surfaces, pixel), params.normalThreshold, params.depthThreshold))
             add_neighbour(pixel, merge.reservoirs.at[pixel].confidence);
     }
 }

@@ -21,10 +21,10 @@ public:
     void describe(Interface& io) override
     {
         const PortType reservoir = perPixel<PathReservoir>("PathReservoir");
-        io.input("surface", surface_, perPixel<Hit>("Surface"), "primary hit of each pixel, through its centre");
+        io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel, through its centre");
         io.input("candidates", candidates_, reservoir, "one candidate path a pixel, of this frame");
         io.optionalInput("motion", motion_, image(2), "where the point was in the frame before, minus where it is, in pixels");
-        io.optionalInput("previous_surface", previousSurface_, perPixel<Hit>("Surface"),
+        io.optionalInput("previous_surface", previousSurface_, perPixel<PrimaryHit>("Surface"),
                          "the surface one frame ago: prev(\"gbuffer.surface\")");
         io.optionalInput("history", history_, reservoir, "the output reservoirs, one frame ago: prev(\"reuse.reservoirs\")");
         const PortType vertices = severalPerPixel<PathVertex>("PathVertices", [this] { return bounces_ + 1; });

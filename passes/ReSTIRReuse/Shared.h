@@ -7,8 +7,8 @@ RESTIRPG_SHARED
 
 struct ReuseParameters {
     Address frame;  ///< FrameConstants
-    Address surface;  ///< Hit a pixel
-    Address previousSurface;  ///< Hit a pixel, one frame ago
+    Address surface;  ///< PrimaryHit per pixel
+    Address previousSurface;  ///< PrimaryHit per pixel, one frame ago
     Address motion;  ///< vec2 a pixel
     Address source;  ///< PathReservoir a pixel, read
     Address history;  ///< PathReservoir a pixel, one frame ago
@@ -26,7 +26,7 @@ struct ReuseParameters {
 
 struct ReuseVerticesParameters {
     Address frame;  ///< FrameConstants
-    Address surface;  ///< Hit a pixel
+    Address surface;  ///< PrimaryHit per pixel
     Address source;  ///< PathReservoir a pixel: the path it ends the frame with
     Address origins;  ///< whose bounces those are, a uint a pixel, see merge.glsl; 0: each pixel's own candidate's
     Address candidates;  ///< PathVertex of the candidates, stride a pixel

@@ -7,56 +7,65 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { ReuseParameters params; };
 
-/// Who takes part besides the centre.
-struct Neighbours {
-    uint count;
-    uint pixel[MAX_REUSE_NEIGHBOURS];
-    float confidence;  ///< of all of them
-};
-
-Neighbours find_neighbours(uvec2 at, Hit hit)
+/// Neighbour i of the pixel, if that place has one that looks like it. Called again where it is needed, for an array of neighbours,
+/// indexed at run time, is slow on CPU devices.
+bool find_neighbour(uvec2 at, Appearance centre, uint i, out uint pixel)
 {
-    Neighbours n;
-    n.count = 0u;
-    n.confidence = 0.0;
-    Surface centre = load_surface(hit, false);
-    float radius = disk_radius(params.radius);
-    for (uint i = 0u; i < params.neighbours; ++i) {
-        uint pixel;
-        if (!find_neighbour_pixel(at, radius, random2(reuse_key(at), spatial_round(params.round), 2u * i), pixel))
-            continue;
-        Hit there = HitArray(params.surface).at[pixel];
-        if (there.instance == INVALID_INDEX || !is_similar(centre, load_surface(there, false), frame.c.camera.position,
-                                                           params.normalThreshold, params.depthThreshold))
-            continue;
-        n.pixel[n.count++] = pixel;
-        n.confidence += PathReservoirArray(params.source).at[pixel].confidence;
-    }
-    return n;
+    vec2 u = random2(reuse_key(at), spatial_round(params.round), 2u * i);
+    return find_neighbour_pixel(at, disk_radius(params.radius), u, pixel) &&
+           primary_hit(params.surface, pixel).instance != INVALID_INDEX &&
+           is_similar(centre, load_appearance(params.surface, pixel), params.normalThreshold, params.depthThreshold);
 }
 
-Choice merge_neighbours(uvec2 at, Hit hit, Choice kept, Neighbours n)
+/// Confidence of all neighbours; `count`: how many there are.
+float neighbours_confidence(uvec2 at, Appearance centre, out uint count)
+{
+    float sum = 0.0;
+    count = 0u;
+    for (uint i = 0u; i < params.neighbours; ++i) {
+        uint pixel;
+        if (!find_neighbour(at, centre, i, pixel))
+            continue;
+        sum += PathReservoirArray(params.source).at[pixel].confidence;
+        ++count;
+    }
+    return sum;
+}
+
+Choice merge_neighbours(uvec2 at, Hit hit, Appearance centre, Choice kept, float others)
 {
     PathReservoir own = kept.path;
-    uint centre = kept.owner;
+    uint owner = kept.owner;
     ShadingPoint here = load_domain(hit, false);
-    float total = own.confidence + n.confidence;
+    float total = own.confidence + others;
     float own_weight = own.confidence / total;
-    for (uint i = 0u; i < n.count; ++i) {
-        PathReservoir r = PathReservoirArray(params.source).at[n.pixel[i]];
-        ShadingPoint there = load_domain(HitArray(params.surface).at[n.pixel[i]], false);
-        float part = r.confidence / total;
-        own_weight += part * share_left(own, there, own.confidence, n.confidence);
+    // Of each neighbour two shifts: the centre's path there, the neighbour's path here. One place calls the shift, for compilers copy
+    // its code to each.
+    [[dont_unroll]] for (uint i = 0u; i < 2u * params.neighbours; ++i) {
+        uint pixel;
+        if (!find_neighbour(at, centre, i / 2u, pixel))
+            continue;
+        bool outwards = (i & 1u) == 0u;
+        PathReservoir y = PathReservoirArray(params.source).at[pixel];
+        float part = y.confidence / total;
+        ShadingPoint domain = here;
+        if (outwards) {
+            y = own;
+            domain = load_domain(primary_hit(params.surface, pixel), false);
+        }
         PathReservoir shifted;
         float jacobian;
-        if (!shift_to(r, here, shifted, jacobian))
-            continue;
-        float share = neighbour_share(r, shifted, jacobian, own.confidence, n.confidence);
-        float weight = part * share * luminance(shifted.f) * jacobian * r.ucw;
-        choose(kept, shifted, n.pixel[i], weight, random1(reuse_key(at), spatial_round(params.round), 2u * i + 1u));
+        bool has_image = shift_to(y, domain, shifted, jacobian);
+        float target = has_image ? luminance(shifted.f) * jacobian : 0.0;
+        if (outwards) {
+            own_weight += part * share_left(own, target, own.confidence, others);
+        } else if (has_image) {
+            float weight = part * neighbour_share(y, shifted, jacobian, own.confidence, others) * target * y.ucw;
+            choose(kept, shifted, pixel, weight, random1(reuse_key(at), spatial_round(params.round), i));
+        }
     }
     // The centre comes last: its weight is known only now.
-    choose(kept, own, centre, own_weight * luminance(own.f) * own.ucw,
+    choose(kept, own, owner, own_weight * luminance(own.f) * own.ucw,
            random1(reuse_key(at), spatial_round(params.round), SPATIAL_NUMBERS - 1u));
     finish_merge(kept, total);
     return kept;
@@ -69,12 +78,14 @@ void main()
     if (any(greaterThanEqual(at, frame.c.size)))
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
-    Hit hit = HitArray(params.surface).at[pixel];
+    Hit hit = primary_hit(params.surface, pixel);
     Choice kept = Choice(PathReservoirArray(params.source).at[pixel], 0.0, pixel);
     if (hit.instance != INVALID_INDEX) {
-        Neighbours n = find_neighbours(at, hit);
-        if (n.count > 0u)
-            kept = merge_neighbours(at, hit, kept, n);
+        Appearance centre = load_appearance(params.surface, pixel);
+        uint count;
+        float others = neighbours_confidence(at, centre, count);
+        if (count > 0u)
+            kept = merge_neighbours(at, hit, centre, kept, others);
     }
     PathReservoirArray(params.reservoirs).at[pixel] = kept.path;
     write_origin(params.origins, pixel, origin_of(params.originSource, kept.owner));

@@ -13,10 +13,9 @@ bool find_history(uvec2 at, Hit hit, out uint pixel)
     vec2 u = random2(reuse_key(at), TEMPORAL_ROUND, 0u);
     if (!find_previous_pixel(at, Vec2Array(params.motion).at[gl_GlobalInvocationID.y * frame.c.size.x + at.x], u, pixel))
         return false;
-    Hit before = HitArray(params.previousSurface).at[pixel];
-    return before.instance != INVALID_INDEX &&
-           is_similar(load_surface(hit, true), load_surface(before, true), frame.c.previousCamera.position, params.normalThreshold,
-                      params.depthThreshold);
+    return primary_hit(params.previousSurface, pixel).instance != INVALID_INDEX &&
+           is_similar(appearance(load_surface(hit, true), frame.c.previousCamera.position),
+                      load_appearance(params.previousSurface, pixel), params.normalThreshold, params.depthThreshold);
 }
 
 /// Owners of a merged path.
@@ -31,18 +30,27 @@ Choice merge_history(uvec2 at, Hit hit, PathReservoir own, uint before)
     history.confidence = min(history.confidence, params.cap * own.confidence);
     if (RESTIRPG_FAULT == REUSE_FAULT_CONFIDENCE && history.ucw <= 0.0)
         return kept;
-    ShadingPoint here = load_domain(hit, false);
-    ShadingPoint there = load_domain(HitArray(params.previousSurface).at[before], true);
-
-    if (own.ucw > 0.0)
-        kept.sum = present_share(own, there, own.confidence, history.confidence) * luminance(own.f) * own.ucw;
-    PathReservoir shifted;
-    float jacobian;
-    if (shift_to(history, here, shifted, jacobian)) {
-        float confidence = RESTIRPG_FAULT == REUSE_FAULT_CAP ? uncapped : history.confidence;
-        float share = history_share(history, shifted, jacobian, own.confidence, confidence);
-        float weight = share * luminance(shifted.f) * jacobian * history.ucw;
-        choose(kept, shifted, HISTORY, weight, random1(reuse_key(at), TEMPORAL_ROUND, 1u));
+    // Two shifts: this frame's path to the history's domain, and the history's path here. One place calls the shift, for compilers copy
+    // its code to each.
+    [[dont_unroll]] for (uint i = 0u; i < 2u; ++i) {
+        bool present = i == 0u;
+        PathReservoir y = history;
+        Hit domain = hit;
+        if (present) {
+            y = own;
+            domain = primary_hit(params.previousSurface, before);
+        }
+        PathReservoir shifted;
+        float jacobian;
+        bool has_image = shift_to(y, load_domain(domain, present), shifted, jacobian);
+        float target = has_image ? luminance(shifted.f) * jacobian : 0.0;
+        if (present && own.ucw > 0.0) {
+            kept.sum = present_share(own, target, own.confidence, history.confidence) * luminance(own.f) * own.ucw;
+        } else if (!present && has_image) {
+            float confidence = RESTIRPG_FAULT == REUSE_FAULT_CAP ? uncapped : history.confidence;
+            float share = history_share(history, shifted, jacobian, own.confidence, confidence);
+            choose(kept, shifted, HISTORY, share * target * history.ucw, random1(reuse_key(at), TEMPORAL_ROUND, 1u));
+        }
     }
     finish_merge(kept, own.confidence + history.confidence);
     return kept;
@@ -55,7 +63,7 @@ void main()
     if (any(greaterThanEqual(at, frame.c.size)))
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
-    Hit hit = HitArray(params.surface).at[pixel];
+    Hit hit = primary_hit(params.surface, pixel);
     Choice kept = Choice(PathReservoirArray(params.source).at[pixel], 0.0, OWN);
     uint before;
     if (hit.instance != INVALID_INDEX && find_history(at, hit, before))

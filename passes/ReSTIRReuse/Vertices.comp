@@ -68,5 +68,5 @@ void main()
         PathVertexArray(params.vertices).at[first + i] = v;
     }
     if (r.ucw > 0.0 && origin != pixel)
-        write_prefix(r, HitArray(params.surface).at[pixel], first);
+        write_prefix(r, primary_hit(params.surface, pixel), first);
 }

@@ -48,21 +48,14 @@ bool shift_to(PathReservoir source, ShadingPoint x1, out PathReservoir shifted, 
     return true;
 }
 
-/// p^_{<-j}(y) |dT/dy|: the target of y's image in another domain, in y's own measure; 0 where it has none.
-float target_in(PathReservoir y, ShadingPoint x1)
-{
-    PathReservoir shifted;
-    float jacobian;
-    return shift_to(y, x1, shifted, jacobian) ? luminance(shifted.f) * jacobian : 0.0;
-}
+// The MIS weights, of paths that a pixel holds: their target is that of the path's own f. `there` is p^_{<-j}(y) |dT/dy|: the target of
+// the image in another domain, in the path's own measure; 0 where it has none. [shaders/README: MIS weights]
 
-// The MIS weights, of paths that a pixel holds: their target is that of the path's own f.
-
-/// Temporal reuse, balance heuristic: the share of this frame's path y against the history's domain `there`.
-float present_share(PathReservoir y, ShadingPoint there, float confidence, float history_confidence)
+/// Temporal reuse, balance heuristic: the share of this frame's path y against the history.
+float present_share(PathReservoir y, float there, float confidence, float history_confidence)
 {
     float share = confidence * luminance(y.f);
-    return share / (share + history_confidence * target_in(y, there));
+    return share / (share + history_confidence * there);
 }
 
 /// The share of the history's path y against this pixel, which sees it as `image`.
@@ -85,10 +78,10 @@ float neighbour_share(PathReservoir y, PathReservoir image, float jacobian, floa
     return pairwise_share(neighbours_confidence, luminance(y.f) / jacobian, centre_confidence, luminance(image.f));
 }
 
-/// What the neighbour with the domain `there` leaves to the centre of the centre's path y.
-float share_left(PathReservoir y, ShadingPoint there, float centre_confidence, float neighbours_confidence)
+/// What a neighbour leaves to the centre of the centre's path y.
+float share_left(PathReservoir y, float there, float centre_confidence, float neighbours_confidence)
 {
-    return 1.0 - pairwise_share(neighbours_confidence, target_in(y, there), centre_confidence, luminance(y.f));
+    return 1.0 - pairwise_share(neighbours_confidence, there, centre_confidence, luminance(y.f));
 }
 
 /// The path that a merge has kept so far, and whose it was.

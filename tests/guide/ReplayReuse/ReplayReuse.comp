@@ -66,7 +66,7 @@ void main()
     ReplayReservoir kept = ReplayReservoir(key.pixel, key.frame, vec3(0.0), 0.0, 1.0);
     vec3 radiance = vec3(0.0);
     PathVertex vertex = no_path_vertex();
-    Hit hit = HitArray(params.surface).at[pixel];
+    Hit hit = primary_hit(params.surface, pixel);
     if (hit.instance != INVALID_INDEX) {
         Surface surface = load_surface(hit, false);
         Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), at, BOUNCE, true);

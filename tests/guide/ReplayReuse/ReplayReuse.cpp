@@ -9,7 +9,7 @@ public:
     void describe(Interface& io) override
     {
         const PortType reservoir = perPixel<ReplayReservoir>("ReplayReservoir");
-        io.input("surface", surface_, perPixel<Hit>("Surface"), "primary hit of each pixel");
+        io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
         io.optionalInput("guide", guide_, guide({}, {}), "directions worth sampling");
         io.optionalInput("history", history_, reservoir, "the output reservoirs, one frame ago; the camera must stand still");
         io.output("radiance", radiance_, image(3), "light by one bounce, W/sr/m^2");

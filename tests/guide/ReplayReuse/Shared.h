@@ -16,7 +16,7 @@ struct ReplayReservoir {
 
 struct ReplayParameters {
     Address frame;  ///< FrameConstants
-    Address surface;  ///< Hit a pixel
+    Address surface;  ///< PrimaryHit per pixel
     Address guide;  ///< 0: unguided
     Address history;  ///< ReplayReservoir a pixel, one frame ago; 0: none
     Address reservoirs;  ///< ReplayReservoir a pixel, written; 0: nobody reads it

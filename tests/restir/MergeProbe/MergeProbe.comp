@@ -10,8 +10,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Vec2Array { 
 /// The target that the kernel of pixel j's own frame stores with a point that it holds.
 float stored_target(uint j, LightPoint y)
 {
-    Surface today = load_surface(merge.surfaces.at[merge.pixel[j]], false);
-    Surface then = load_surface(merge.surfaces.at[merge.pixel[j]], merge.previous);
+    Surface today = load_surface(primary_hit(merge.surfaces, merge.pixel[j]), false);
+    Surface then = load_surface(primary_hit(merge.surfaces, merge.pixel[j]), merge.previous);
     vec3 camera = merge.previous ? frame.c.previousCamera.position : frame.c.camera.position;
     ShadingPoint point = shade_surface(then, normalize(camera - then.position));
     return evaluate_target(Domain(point, today.position, today.geometric_normal, merge.previous), y, true);
@@ -55,17 +55,17 @@ void main()
     if (any(greaterThanEqual(at, frame.c.size)))
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
-    Hit hit = HitArray(params.surface).at[pixel];
+    Hit hit = primary_hit(params.surface, pixel);
     vec2 sums = vec2(0.0);
     if (hit.instance != INVALID_INDEX) {
         RandomKey key = direct_key(at);
         begin_merge(load_domain(hit, false), LightReservoirArray(params.source).at[pixel]);
         merge.previous = params.round == 0u;
-        merge.surfaces = HitArray(merge.previous ? params.previousSurface : params.surface);
+        merge.surfaces = merge.previous ? params.previousSurface : params.surface;
         merge.reservoirs = LightReservoirArray(merge.previous ? params.history : params.source);
         merge.pairwise = params.pairwise != 0u;
         if (!merge.previous)
-            add_around(params, key, at, hit);
+            add_around(params, key, at);
         else if (frame.c.reset == 0u)
             add_previous(params, key, at, hit, Vec2Array(params.motion).at[pixel]);
         if (merge.count > 0u)

@@ -9,8 +9,8 @@ public:
     void describe(Interface& io) override
     {
         const PortType reservoir = perPixel<LightReservoir>("LightReservoir");
-        io.input("surface", surface_, perPixel<Hit>("Surface"), "primary hit of each pixel");
-        io.input("previous_surface", previousSurface_, perPixel<Hit>("Surface"), "the same, one frame ago");
+        io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
+        io.input("previous_surface", previousSurface_, perPixel<PrimaryHit>("Surface"), "the same, one frame ago");
         io.input("motion", motion_, image(2), "motion vectors");
         io.input("reservoirs", reservoirs_, reservoir, "reservoirs of this frame");
         io.input("history", history_, reservoir, "reservoirs of the frame before");

@@ -35,18 +35,18 @@ void find_participants(uvec2 at, PathReservoir own)
 }
 
 /// Temporal reuse: the weight of this pixel for its path y, and that of the history, which holds `source`; jacobian 0: it cannot.
-float temporal_sum(PathReservoir y, PathReservoir source, float jacobian)
+float temporal_sum(PathReservoir y, float there, PathReservoir source, float jacobian)
 {
     float capped = min(held[0].confidence, CAP * confidence);
-    float sum = present_share(y, pair_domain[0], confidence, capped);
+    float sum = present_share(y, there, confidence, capped);
     float history_confidence = RESTIRPG_FAULT == REUSE_FAULT_CAP ? held[0].confidence : capped;
     return jacobian > 0.0 ? sum + history_share(source, y, jacobian, confidence, history_confidence) : sum;
 }
 
 /// Spatial reuse: what pair i leaves to this pixel of its path y, and the weight of the pair, which holds `source`.
-float spatial_sum(uint i, PathReservoir y, PathReservoir source, float jacobian)
+float spatial_sum(uint i, PathReservoir y, float there, PathReservoir source, float jacobian)
 {
-    float sum = share_left(y, pair_domain[i], confidence, pair_confidence);
+    float sum = share_left(y, there, confidence, pair_confidence);
     if (jacobian > 0.0)
         sum += neighbour_share(source, y, jacobian, confidence, pair_confidence);
     return held[i].confidence / (confidence + pair_confidence) * sum;
@@ -59,11 +59,14 @@ float weight_sum(PathReservoir y, uint holder)
     float sum = previous ? 0.0 : confidence / (confidence + pair_confidence);
     for (uint i = 0u; i < pair_count; ++i) {
         PathReservoir source = held[i];
-        PathReservoir back;
+        PathReservoir image;
         float jacobian = 0.0;
-        if ((i != holder && !shift_to(y, pair_domain[i], source, jacobian)) || !shift_to(source, here, back, jacobian))
+        float there = shift_to(y, pair_domain[i], image, jacobian) ? luminance(image.f) * jacobian : 0.0;
+        if (i != holder)
+            source = image;
+        if ((i != holder && there <= 0.0) || !shift_to(source, here, image, jacobian))
             jacobian = 0.0;
-        sum += previous ? temporal_sum(y, source, jacobian) : spatial_sum(i, y, source, jacobian);
+        sum += previous ? temporal_sum(y, there, source, jacobian) : spatial_sum(i, y, there, source, jacobian);
     }
     return sum;
 }
@@ -94,7 +97,7 @@ void main()
     if (any(greaterThanEqual(at, frame.c.size)))
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
-    Hit hit = HitArray(params.surface).at[pixel];
+    Hit hit = primary_hit(params.surface, pixel);
     vec4 result = vec4(0.0);
     if (hit.instance != INVALID_INDEX) {
         here = load_domain(hit, false);

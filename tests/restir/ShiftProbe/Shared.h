@@ -11,8 +11,8 @@ RESTIRPG_CONST WAY_PREVIOUS = 2u;  ///< of a pixel nearby in the frame before, u
 
 struct ShiftProbeParameters {
     Address frame;  ///< FrameConstants
-    Address surface;  ///< Hit a pixel
-    Address previousSurface;  ///< Hit a pixel, one frame ago
+    Address surface;  ///< PrimaryHit per pixel
+    Address previousSurface;  ///< PrimaryHit per pixel, one frame ago
     Address reservoirs;  ///< PathReservoir a pixel: the paths
     Address history;  ///< PathReservoir a pixel, one frame ago
     Address result;  ///< vec4 a pixel

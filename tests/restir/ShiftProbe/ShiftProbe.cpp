@@ -11,8 +11,8 @@ public:
     void describe(Interface& io) override
     {
         const PortType reservoir = perPixel<PathReservoir>("PathReservoir");
-        io.input("surface", surface_, perPixel<Hit>("Surface"), "primary hit of each pixel");
-        io.input("previous_surface", previousSurface_, perPixel<Hit>("Surface"), "the same, one frame ago");
+        io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
+        io.input("previous_surface", previousSurface_, perPixel<PrimaryHit>("Surface"), "the same, one frame ago");
         io.input("reservoirs", reservoirs_, reservoir, "paths of this frame");
         io.input("history", history_, reservoir, "paths of the frame before");
         const std::string trip = "kind, relative difference of f, |J J' - 1| and end of a shift and its way back: ";

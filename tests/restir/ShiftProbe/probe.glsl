@@ -23,22 +23,21 @@ bool find_pair(uvec2 at, uint i, out uint pixel)
 {
     if (!find_neighbour_pixel(at, PAIR_RADIUS, random2(reuse_key(at), PAIRING_ROUND, i), pixel))
         return false;
-    HitArray surfaces = HitArray(params.way == WAY_PREVIOUS ? params.previousSurface : params.surface);
-    return surfaces.at[pixel].instance != INVALID_INDEX;
+    return primary_hit(params.way == WAY_PREVIOUS ? params.previousSurface : params.surface, pixel).instance != INVALID_INDEX;
 }
 
 /// The domain of a pixel that the paths are shifted to.
 ShadingPoint load_pair(uint pixel)
 {
     bool previous = params.way == WAY_PREVIOUS;
-    return load_domain(HitArray(previous ? params.previousSurface : params.surface).at[pixel], previous);
+    return load_domain(primary_hit(previous ? params.previousSurface : params.surface, pixel), previous);
 }
 
 /// This pixel's domain and path, and the domain to shift it to; false: nothing to shift.
 bool load_case(uvec2 at, out PathReservoir path, out ShadingPoint here, out ShadingPoint there)
 {
     uint pixel = at.y * frame.c.size.x + at.x;
-    Hit hit = HitArray(params.surface).at[pixel];
+    Hit hit = primary_hit(params.surface, pixel);
     path = PathReservoirArray(params.reservoirs).at[pixel];
     uint other = pixel;
     if (hit.instance == INVALID_INDEX || path.ucw <= 0.0 || (params.way != WAY_STAY && !find_pair(at, 0u, other)))
