@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Compare the path tracer with Mitsuba 3: block means of independent runs, tested for equality.
 
-    compare_with_mitsuba.py SCENE.glb ... --mitsuba-python VENV/bin/python [--diffuse] [--size 64x64] [--bounces 8]
+    compare_with_mitsuba.py SCENE.glb ... --mitsuba-python VENV/bin/python [--materials gltf|diffuse|converter]
+                            [--size 64x64] [--bounces 8]
 
 Null hypothesis: both render the same expected image. R independent runs a renderer give the mean of every block of
 pixels with its variance; Welch's t a block and channel, Bonferroni over all of them at 1%. Prints one table row a
@@ -103,7 +104,8 @@ def render_mitsuba(scene_file, environment, folder, options):
         light = ["--env", environment]
     size = "x".join(map(str, options.size))
     command = [options.mitsuba_python, Path(__file__).with_name("mitsuba_runs.py"), options.converter,
-               options.mitsuba_runs, folder / "runs.npy", scene_file, "--spp", options.samples,
+               options.mitsuba_runs, folder / "runs.npy", "converter" if options.materials == "diffuse" else options.materials, scene_file,
+               "--spp", options.samples,
                "--depth", options.bounces + 2, "--res", size, "--variant", options.variant,
                "--seed", 1000 * options.seed, *light]
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True,
@@ -162,20 +164,25 @@ def write_failure(name, folder, ours, theirs, result):
     pyplot.close(figure)
 
 
-def run_scene(path, options):
-    """Render and test one scene; prints its row of the table and returns whether it passed."""
+def prepare(path, folder, options):
+    """A copy in `folder` of the scene for both renderers, and its environment: a file, "r,g,b" or None."""
     document, binary = read_glb(path)
     environment = options.environment or environment_of(document)
     if isinstance(environment, list):
         environment = ",".join(map(str, environment))
     elif environment and not options.environment:
         environment = str(path.parent / environment)
-    name = path.stem + ("_made_diffuse" if options.diffuse else "")
+    document.get("asset", {}).get("extras", {}).pop("restirpg", None)  # names a file that is not in `folder`
+    document = make_diffuse(document) if options.materials == "diffuse" else document
+    return write_glb(folder / path.name, document, binary), environment
+
+
+def run_scene(path, options):
+    """Render and test one scene; prints its row of the table and returns whether it passed."""
+    name = path.stem + {"gltf": "", "diffuse": "_made_diffuse", "converter": "_converted"}[options.materials]
     with tempfile.TemporaryDirectory(prefix="mitsuba-") as temporary:
         folder = Path(temporary)
-        document.get("asset", {}).get("extras", {}).pop("restirpg", None)  # names a file that is not in `folder`
-        document = make_diffuse(document) if options.diffuse else document
-        scene_file = write_glb(folder / f"{name}.glb", document, binary)
+        scene_file, environment = prepare(path, folder, options)
         ours = render_ours(scene_file, environment, options)
         theirs = render_mitsuba(scene_file, environment, folder, options)
     result = compare(ours, theirs, options.block)
@@ -196,8 +203,9 @@ def parse_arguments():
     parser.add_argument("--converter", type=Path, default=ROOT.parent / "shared" / "tools" / "gltf_to_mitsuba.py",
                         help="glTF to Mitsuba 3 (default: ../shared/tools/gltf_to_mitsuba.py)")
     parser.add_argument("--variant", default="llvm_ad_rgb", help="of Mitsuba; LLVM's needs DRJIT_LIBLLVM_PATH")
-    parser.add_argument("--diffuse", action="store_true",
-                        help="rewrite every material as exactly Lambert and opaque, without vertex normals")
+    parser.add_argument("--materials", choices=("gltf", "diffuse", "converter"), default="gltf",
+                        help="gltf: the file's, by gltf_bsdf.py; diffuse: every one rewritten as exactly Lambert and opaque, "
+                        "without vertex normals; converter: what gltf_to_mitsuba.py takes for them, `principled` for most")
     parser.add_argument("--environment", help="r,g,b or an .exr or .hdr file; default: what the scene names")
     parser.add_argument("--backend", help="software or rayquery")
     parser.add_argument("--size", default="64x64")

@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+"""Image means of scenes with their own materials, ours against Mitsuba's, seed by seed; the table behind results/mitsuba.md.
+
+    image_means.py SCENE.glb ... --mitsuba-python VENV/bin/python --csv FILE [--only ours|mitsuba|literal] [--seeds 1-8]
+                   [--frames 256] [--samples 256] [--size 64x36] [--bounces 4]
+    image_means.py --csv FILE            # the table alone
+
+Mitsuba's materials are the renderer's model, written again as a plug-in (gltf_bsdf.py). Each seed is one independent
+run of one renderer and one row of the CSV file, to which further calls append. The ratio's standard error comes from
+the spread of the runs: it needs several seeds on both sides. `literal` is Mitsuba with the diffuse lobe of glTF's
+sample implementation, from which the renderer deviates (head of bsdf_model.glsl).
+"""
+
+import argparse
+import csv
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+from compare_with_mitsuba import ROOT, prepare, render_mitsuba, render_ours
+
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from harness.render import find_package  # noqa: E402
+
+COLUMNS = ("scene", "renderer", "seed", "width", "height", "bounces", "samples", "r", "g", "b", "seconds")
+HEADER = ("| scene | cap | runs x samples, ours | Mitsuba | image mean, ours | Mitsuba | ours / Mitsuba "
+          "| ours / literal glTF |\n" + "| --- " * 8 + "|")
+
+
+def read_rows(path):
+    """The rows of the CSV file so far."""
+    if not path.is_file():
+        return []
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def append_row(path, row):
+    """Add one run."""
+    new = not path.is_file()
+    with path.open("a", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        if new:
+            writer.writeheader()
+        writer.writerow(row)
+
+
+def run_seed(path, renderer, seed, options):
+    """Render one run of a scene and append its mean."""
+    options.seed = seed
+    with tempfile.TemporaryDirectory(prefix="mitsuba-") as temporary:
+        folder = Path(temporary)
+        scene_file, environment = prepare(path, folder, options)
+        start = time.monotonic()
+        if renderer == "ours":
+            samples, runs = options.frames, render_ours(scene_file, environment, options)
+        else:
+            options.materials = "literal" if renderer == "literal" else "gltf"
+            samples, runs = options.samples, render_mitsuba(scene_file, environment, folder, options)
+    mean = runs[0].mean(axis=(0, 1), dtype=float)
+    row = (path.stem, renderer, seed, *options.size, options.bounces, samples, *(f"{value:.7g}" for value in mean),
+           f"{time.monotonic() - start:.1f}")
+    append_row(options.csv, dict(zip(COLUMNS, row)))
+    print(path.stem, renderer, seed, mean.mean(), flush=True)
+
+
+def mean_and_error(rows):
+    """Mean over runs of the image mean (of the three channels), weighted by their samples, and its standard error."""
+    values = np.array([[float(row[channel]) for channel in "rgb"] for row in rows]).mean(axis=1)
+    weights = np.array([float(row["samples"]) for row in rows])
+    mean = np.average(values, weights=weights)
+    variance_of_one = np.sum(weights * (values - mean)**2) / (len(values) - 1)  # of one sample a pixel
+    return mean, np.sqrt(variance_of_one / weights.sum())
+
+
+def ratio(rows, others):
+    """Ratio of two image means with its standard error; None and None where there are too few runs."""
+    if min(len(rows), len(others)) < 2:
+        return None, None
+    (a, a_error), (b, b_error) = mean_and_error(rows), mean_and_error(others)
+    return a / b, a / b * np.hypot(a_error / a, b_error / b)
+
+
+def print_table(rows):
+    """One row a scene, cap and size that has two runs of each renderer or more."""
+    print(HEADER)
+    for scene, bounces, width in dict.fromkeys((row["scene"], row["bounces"], row["width"]) for row in rows):
+        chosen = [row for row in rows if (row["scene"], row["bounces"], row["width"]) == (scene, bounces, width)]
+        ours, theirs = ([row for row in chosen if row["renderer"] == name] for name in ("ours", "mitsuba"))
+        if min(len(ours), len(theirs)) < 2:
+            continue
+        literal = [row for row in chosen if row["renderer"] == "literal"]
+        counts = [" + ".join(f"{n} x {s}" for s, n in Counter(row["samples"] for row in side).items()) for side in (ours, theirs)]
+        means = [f"{value:.5f} +- {error:.5f}" for value, error in map(mean_and_error, (ours, theirs))]
+        ratios = [f"{value:.4f} +- {error:.4f}" for value, error in (ratio(ours, theirs), ratio(ours, literal)) if value]
+        print("|", " | ".join([scene, bounces, *counts, *means, *ratios, *[""] * (2 - len(ratios))]), "|")
+
+
+def seeds(text):
+    """A range such as 1-8, or one number."""
+    first, _, last = text.partition("-")
+    return range(int(first), int(last or first) + 1)
+
+
+def parse_arguments():
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="*", type=Path)
+    parser.add_argument("--csv", type=Path, required=True)
+    parser.add_argument("--mitsuba-python", help="the Python of an environment that has Mitsuba 3")
+    parser.add_argument("--converter", type=Path, default=ROOT.parent / "shared" / "tools" / "gltf_to_mitsuba.py")
+    parser.add_argument("--variant", default="llvm_ad_rgb", help="of Mitsuba; LLVM's needs DRJIT_LIBLLVM_PATH")
+    parser.add_argument("--only", choices=("ours", "mitsuba", "literal"))
+    parser.add_argument("--environment", help="r,g,b or an .exr or .hdr file; default: what the scene names")
+    parser.add_argument("--backend", help="software or rayquery")
+    parser.add_argument("--seeds", type=seeds, default=range(1, 9))
+    parser.add_argument("--frames", type=int, default=256, help="samples a pixel of a run of ours")
+    parser.add_argument("--samples", type=int, default=256, help="of Mitsuba's")
+    parser.add_argument("--size", default="64x36")
+    parser.add_argument("--bounces", type=int, default=4)
+    options = parser.parse_args()
+    options.size = tuple(map(int, options.size.split("x")))
+    options.runs = options.mitsuba_runs = 1
+    options.materials = "gltf"
+    if options.scenes and options.only != "ours" and not options.mitsuba_python:
+        parser.error("--mitsuba-python is missing")
+    return options
+
+
+def main():
+    """Render what is asked for, then print the table of all runs in the file."""
+    options = parse_arguments()
+    find_package()
+    for path in options.scenes:
+        for renderer in (options.only,) if options.only else ("ours", "mitsuba"):
+            for seed in options.seeds:
+                run_seed(path, renderer, seed, options)
+    print_table(read_rows(options.csv))
+
+
+if __name__ == "__main__":
+    main()
