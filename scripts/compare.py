@@ -86,6 +86,11 @@ def parse(arguments):
     )
     add("--environment", metavar="FILE|R,G,B", help="environment light in place of the scene's")
     add("--camera", type=int, default=0, help="number of the scene's camera (%(default)s)")
+    add(
+        "--energy-compensation",
+        action="store_true",
+        help="rough metal and glass give back the light that single-scattering GGX loses",
+    )
     add("--reference", metavar="EXR", help="a picture to take for the truth, in place of a path traced one")
     add(
         "--reference-graph",
@@ -133,6 +138,7 @@ def settings_from(options):
         base_seed=options.base_seed,
         bounces=options.bounces,
         environment=options.environment,
+        energy_compensation=options.energy_compensation,
         camera=options.camera,
         reference=options.reference,
         reference_graph=options.reference_graph,

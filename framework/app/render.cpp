@@ -232,6 +232,8 @@ void addInputOptions(CLI::App& command, Options& options)
     command.add_option("--fps", options.renderer.framesPerSecond, "Frames a second of scene time; 0: it stands still");
     command.add_option("--bounces", options.bounces,
                        "Bounce cap of every pass that has one (default: the scene's own)");
+    command.add_flag("--energy-compensation", options.renderer.energyCompensation,
+                     "Rough metal and glass give back the light that single-scattering GGX loses");
     command.add_option("--set", options.knobs, "PASS.KNOB=VALUE; may be repeated")->allow_extra_args(false);
 }
 

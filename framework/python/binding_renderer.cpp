@@ -15,7 +15,8 @@ scene: from load_scene. graph: from load_graph, or a restirpg.Graph, or its desc
 size: (width, height) in pixels. seed: of all random numbers; the same seed gives the same bytes on the same device.
 device: number or part of the name as `restirpg devices` lists them; None: the best one. backend: "software", "rayquery"
 or None for what suits the device. validation: run under the Vulkan validation layer. fps: frames a second of scene time;
-0: the scene stands still. time: of the first frame, s.
+0: the scene stands still. time: of the first frame, s. energy_compensation: rough metal and glass give back the light that
+single-scattering GGX loses.
 
 A scene that has a bounce cap of its own sets the knob "bounces" of every pass to it.)";
 
@@ -71,7 +72,7 @@ std::unique_ptr<Renderer> makeRenderer(const std::shared_ptr<Scene>& scene, cons
                                        const std::pair<uint32_t, uint32_t>& size, uint32_t seed,
                                        const std::optional<py::object>& device,
                                        const std::optional<std::string>& backend, bool validation, float fps,
-                                       float time)
+                                       float time, bool energyCompensation)
 {
     RendererOptions options;
     options.width = size.first;
@@ -79,6 +80,7 @@ std::unique_ptr<Renderer> makeRenderer(const std::shared_ptr<Scene>& scene, cons
     options.seed = seed;
     options.framesPerSecond = fps;
     options.time = time;
+    options.energyCompensation = energyCompensation;
     options.device = {device ? py::str(*device).cast<std::string>() : "", backend.value_or(""), validation};
     auto description = describe(graph);
     py::gil_scoped_release release;
@@ -216,7 +218,8 @@ void bindRenderer(py::module_& module)
     py::class_<Renderer> renderer(module, "Renderer", RENDERER);
     renderer
         .def(py::init(&makeRenderer), "scene"_a, "graph"_a, "size"_a, "seed"_a = 0, "device"_a = py::none(),
-             "backend"_a = py::none(), "validation"_a = false, "fps"_a = 0.0f, "time"_a = 0.0f)
+             "backend"_a = py::none(), "validation"_a = false, "fps"_a = 0.0f, "time"_a = 0.0f,
+             "energy_compensation"_a = false)
         .def("render", &render, RENDER, "frames"_a = 1)
         .def_property_readonly("frame", &Renderer::frame, "Frames rendered since the last cut.")
         .def_property_readonly(

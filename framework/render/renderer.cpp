@@ -43,7 +43,8 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::unique_ptr<Graph> gr
 {
     checkOptions(options_);
     device_ = std::make_unique<Device>(options_.device);
-    sceneGpu_ = std::make_unique<SceneGpu>(*device_, *scene_, poseNodes(*scene_, time_, overrides_));
+    sceneGpu_ = std::make_unique<SceneGpu>(*device_, *scene_, poseNodes(*scene_, time_, overrides_),
+                                           options_.energyCompensation);
     executor_ = std::make_unique<Executor>(*device_, std::move(graph), options_.width, options_.height);
 }
 
@@ -246,6 +247,7 @@ std::map<std::string, std::string> Renderer::provenance() const
             {"restirpg.device", device.name},
             {"restirpg.driver", device.driver},
             {"restirpg.backend", device_->backend() == Backend::rayQuery ? "rayquery" : "software"},
+            {"restirpg.energyCompensation", options_.energyCompensation ? "true" : "false"},
             {"restirpg.commit", COMMIT}};
 }
 

@@ -20,6 +20,7 @@ struct RendererOptions {
     uint32_t seed = 0;
     float time = 0;  ///< s, of the first frame
     float framesPerSecond = 0;  ///< 0: the scene stands still
+    bool energyCompensation = false;  ///< rough surfaces give back what single scattering loses
     DeviceOptions device;
 };
 

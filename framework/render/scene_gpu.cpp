@@ -1,9 +1,11 @@
 #include "render/scene_gpu.h"
 
 #include "core/error.h"
+#include "scene/energy_table.h"
 #include "shaders/path_vertex_types.h"
 
 #include <algorithm>
+#include <map>
 
 namespace restirpg {
 namespace {
@@ -35,11 +37,13 @@ bool hasAlphaMask(const Scene& scene)
 
 }  // namespace
 
-SceneGpu::SceneGpu(Device& device, const Scene& scene, const std::vector<glm::mat4>& pose) : device_(device), scene_(scene), bindings_(device)
+SceneGpu::SceneGpu(Device& device, const Scene& scene, const std::vector<glm::mat4>& pose, bool energyCompensation)
+    : device_(device), scene_(scene), bindings_(device)
 {
     const uint64_t before = device.allocatedBytes();
     device.setKernelDefine("RESTIRPG_ALPHA_MASK", hasAlphaMask(scene) ? "1" : "0");
     uploadGeometry();
+    uploadMaterials(energyCompensation);
     uploadMeshes();
     uploadTextures();
     placeInstances(pose);
@@ -61,7 +65,27 @@ void SceneGpu::uploadGeometry()
     table_.attributes = keep(device_.createBuffer(scene_.attributes, "attributes")).address();
     table_.indices = keep(device_.createBuffer(scene_.triangles, "indices")).address();
     table_.materialOfTriangle = keep(device_.createBuffer(scene_.materialOfTriangle, "materialOfTriangle")).address();
-    table_.materials = keep(device_.createBuffer(scene_.materials, "materials")).address();
+}
+
+/// The materials; with energy compensation one table for each index of refraction that they have.
+void SceneGpu::uploadMaterials(bool energyCompensation)
+{
+    std::vector<Material> materials = scene_.materials;
+    if (energyCompensation) {
+        device_.setKernelDefine("RESTIRPG_ENERGY_COMPENSATION", "1");
+        std::map<float, uint32_t> indices;
+        std::vector<glm::vec4> tables;
+        for (Material& material : materials) {
+            const auto [found, added] = indices.try_emplace(material.ior, uint32_t(indices.size()));
+            material.energyTable = found->second;
+            if (!added)
+                continue;
+            const auto table = energyTable(material.ior);
+            tables.insert(tables.end(), table.begin(), table.end());
+        }
+        table_.energyTables = keep(device_.createBuffer(tables, "energy tables")).address();
+    }
+    table_.materials = keep(device_.createBuffer(materials, "materials")).address();
 }
 
 void SceneGpu::uploadMeshes()

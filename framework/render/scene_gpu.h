@@ -17,8 +17,9 @@ namespace restirpg {
 
 class SceneGpu {
 public:
-    /// Upload the scene as it stands at `pose` (world matrices, in the order of Scene::nodes).
-    SceneGpu(Device& device, const Scene& scene, const std::vector<glm::mat4>& pose);
+    /// Upload the scene as it stands at `pose` (world matrices, in the order of Scene::nodes). With energy compensation, kernels built
+    /// from now on give rough surfaces the light back that single scattering loses.
+    SceneGpu(Device& device, const Scene& scene, const std::vector<glm::mat4>& pose, bool energyCompensation = false);
 
     /// Move instances and lights to a new pose and bring the acceleration structure up to date. What moved in the call
     /// before stands still now, so this is called every frame.
@@ -36,6 +37,7 @@ private:
         float radius;
     };
     void uploadGeometry();
+    void uploadMaterials(bool energyCompensation);
     void uploadMeshes();
     void createAcceleration();
     void uploadTextures();

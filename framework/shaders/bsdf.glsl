@@ -91,6 +91,10 @@ vec3 bsdf_eval(Bsdf b, vec3 wo, vec3 wi, uint mask)
             f += transmit_fresnel(b, dot(wo, h)) * shape;
         }
     }
+#if RESTIRPG_ENERGY_COMPENSATION
+    if ((lobes & LOBE_DIFFUSE) != 0u)
+        f += eval_many(b, wo, wi);
+#endif
     return f;
 }
 
@@ -98,7 +102,15 @@ vec3 bsdf_eval(Bsdf b, vec3 wo, vec3 wi, uint mask)
 float bsdf_lobe_pdf(Bsdf b, vec3 wo, vec3 wi, uint lobe)
 {
     bool crosses = wi.z < 0.0;
-    if (wo.z <= 0.0 || wi.z == 0.0 || bsdf_rough_lobes(b, lobe) == 0u || crosses != (lobe == LOBE_TRANSMIT))
+    if (wo.z <= 0.0 || wi.z == 0.0 || bsdf_rough_lobes(b, lobe) == 0u)
+        return 0.0;
+#if RESTIRPG_ENERGY_COMPENSATION
+    if (lobe == LOBE_DIFFUSE) {
+        float across = across_probability(b, wo);
+        return pdf_cosine_hemisphere(abs(wi.z)) * (crosses ? across : 1.0 - across);
+    }
+#endif
+    if (crosses != (lobe == LOBE_TRANSMIT))
         return 0.0;
     if (lobe == LOBE_DIFFUSE)
         return pdf_cosine_hemisphere(wi.z);
@@ -137,6 +149,18 @@ BsdfSample sample_delta_lobe(Bsdf b, vec3 wo, uint lobe)
     return s;
 }
 
+/// A direction by the cosine; with energy compensation sometimes of the other side.
+vec3 sample_diffuse(Bsdf b, vec3 wo, vec2 u)
+{
+#if RESTIRPG_ENERGY_COMPENSATION
+    float across = across_probability(b, wo);
+    if (u.x < across)
+        return sample_cosine_hemisphere(vec2(u.x / across, u.y)) * vec3(1.0, 1.0, -1.0);
+    u.x = min((u.x - across) / max(1.0 - across, 1e-6), 0.99999994);
+#endif
+    return sample_cosine_hemisphere(u);
+}
+
 /// A direction of one lobe. Rough: pdf is that lobe's own density and weight its f |cos| / pdf. Delta: pdf 1, weight
 /// its throughput.
 BsdfSample bsdf_sample_lobe(Bsdf b, vec3 wo, uint lobe, vec2 u)
@@ -147,7 +171,7 @@ BsdfSample bsdf_sample_lobe(Bsdf b, vec3 wo, uint lobe, vec2 u)
         return sample_delta_lobe(b, wo, lobe);
     BsdfSample s = no_bsdf_sample(lobe);
     if (lobe == LOBE_DIFFUSE) {
-        s.wi = sample_cosine_hemisphere(u);
+        s.wi = sample_diffuse(b, wo, u);
     } else {
         vec3 h = sample_ggx_vndf(wo, b.alpha, u);
         if (lobe == LOBE_TRANSMIT && b.solid) {

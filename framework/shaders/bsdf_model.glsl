@@ -10,13 +10,21 @@
 // albedo of 1.9 at grazing; the form above (Shirley et al. 1997, Kelemen & Szirmay-Kalos 2001) is reciprocal, conserves
 // energy, and under a smooth coat a white base reflects exactly 1. Thin transmission: a pane has two faces, and the
 // light between them sums to a reflectance 2F / (1 + F), as in Mitsuba's `thindielectric`; glTF counts one face. Single
-// scattering only: rough surfaces lose energy (benchmarks/results/ggx_energy_loss.md), reciprocity is exact. The
-// diffuse part of a half-transparent solid is its outer paint: from inside it absorbs.
+// scattering only: rough surfaces lose energy (benchmarks/results/ggx_energy_loss.md), reciprocity is exact. With
+// RESTIRPG_ENERGY_COMPENSATION what they lose comes back (multiple_scattering.glsl). The diffuse part of a
+// half-transparent solid is its outer paint: from inside it absorbs.
 #ifndef RESTIRPG_BSDF_MODEL_GLSL
 #define RESTIRPG_BSDF_MODEL_GLSL
 
 #include "fresnel.glsl"
 #include "prelude.glsl"
+
+#ifndef RESTIRPG_ENERGY_COMPENSATION
+#define RESTIRPG_ENERGY_COMPENSATION 0
+#endif
+#if RESTIRPG_ENERGY_COMPENSATION
+#include "energy.glsl"
+#endif
 
 const uint LOBE_DIFFUSE = 1u;
 const uint LOBE_REFLECT = 2u;
@@ -45,7 +53,22 @@ struct BsdfParameters {
     float coatAverage;  ///< Material::coatAverage
     bool solid;  ///< MATERIAL_SOLID: refracts; else a thin sheet
     bool entering;  ///< wo is on the outside; matters for solids only
+#if RESTIRPG_ENERGY_COMPENSATION
+    Address energyTable;  ///< of this ior
+#endif
 };
+
+#if RESTIRPG_ENERGY_COMPENSATION
+/// What the lobe of multiple scattering multiplies the losses at both directions with, over pi. All zero where nothing is rough.
+struct MultipleScattering {
+    Address table;
+    EnergyRows near;  ///< rows of the table on wo's side
+    EnergyRows far;  ///< on the other side
+    vec3 metal;  ///< times the losses of a mirror that is rough
+    vec3 reflected;  ///< times those of the dielectric
+    vec3 across;  ///< the same into the other side
+};
+#endif
 
 struct Bsdf {
     vec3 diffuse;  ///< (1 - m)(1 - t) base / (1 - Fc_avg); 0 inside a solid
@@ -61,6 +84,9 @@ struct Bsdf {
     float roughness;  ///< linear
     uint lobes;  ///< LOBE_* that can be non-zero
     bool solid;
+#if RESTIRPG_ENERGY_COMPENSATION
+    MultipleScattering many;
+#endif
 };
 
 // ---- Fresnel terms ----
@@ -115,9 +141,17 @@ float coat_cosine(float cosine, float alpha)
     return sqrt(g2 + cosine * (linear + cosine * (normal * normal - g2 - linear)));
 }
 
+#if RESTIRPG_ENERGY_COMPENSATION
+#include "multiple_scattering.glsl"
+#endif
+
 /// Light that passes the coat towards the diffuse base, for one direction.
 vec3 coat_passage(Bsdf b, float cosine)
 {
+#if RESTIRPG_ENERGY_COMPENSATION
+    if (b.alpha > 0.0)
+        return 1.0 - coat_energy(b, energy_returned(b.many.table, b.many.near, cosine));
+#endif
     return 1.0 - coat_fresnel(b, coat_cosine(cosine, b.alpha));
 }
 
@@ -148,6 +182,11 @@ Bsdf make_bsdf(BsdfParameters p)
     b.alpha = p.roughness < DELTA_ROUGHNESS ? 0.0 : p.roughness * p.roughness;
 
     vec3 average = mix(b.coat0, vec3(b.coat90), coat_average(p, b.alpha));
+#if RESTIRPG_ENERGY_COMPENSATION
+    b.many = multiple_scattering(b, p, inside);
+    if (b.alpha > 0.0)
+        average = coat_energy(b, energy_mean(b.many.table, b.many.near));
+#endif
     vec3 base = (1.0 - p.metallic) * p.baseColor;
     b.diffuse = inside ? vec3(0.0) : (1.0 - p.transmission) * base / max(1.0 - average, 1e-4);
     b.transmittance = p.transmission * base;
@@ -159,6 +198,10 @@ Bsdf make_bsdf(BsdfParameters p)
         b.lobes |= LOBE_REFLECT;
     if (any(greaterThan(b.transmittance, vec3(0.0))))
         b.lobes |= LOBE_TRANSMIT;
+#if RESTIRPG_ENERGY_COMPENSATION
+    if (any(greaterThan(b.many.metal + b.many.reflected + b.many.across, vec3(0.0))))
+        b.lobes |= LOBE_DIFFUSE;
+#endif
     return b;
 }
 
@@ -199,6 +242,10 @@ vec3 bsdf_lobe_probabilities(Bsdf b, vec3 wo)
     float facet = coat_cosine(wo.z, b.alpha);
     vec3 weight = vec3(luminance(b.diffuse * (1.0 - coat_fresnel(b, facet))), luminance(reflect_fresnel(b, facet)),
                        luminance(transmit_fresnel(b, facet)));
+#if RESTIRPG_ENERGY_COMPENSATION
+    vec2 many = many_energy(b, wo);
+    weight.x += many.x + many.y;
+#endif
     weight *= lobe_flags(b.lobes);
     float sum = weight.x + weight.y + weight.z;
     weight = max(weight, rough * (sum > 0.0 ? MIN_LOBE_PROBABILITY * sum : 1.0));

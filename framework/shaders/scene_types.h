@@ -44,6 +44,11 @@ RESTIRPG_CONST MATERIAL_ALPHA_MASK = 2u;    ///< surface is absent where alpha <
 RESTIRPG_CONST MATERIAL_SOLID = 4u;         ///< KHR_materials_volume with thickness > 0: refracts and absorbs
 RESTIRPG_CONST MATERIAL_EMISSIVE = 8u;      ///< emission can be non-zero
 
+/// Layout of energyTable (framework/scene/energy_table.h): rows of roughness, columns of cosine and a mean a row, two sides.
+RESTIRPG_CONST ENERGY_ROWS = 32u;
+RESTIRPG_CONST ENERGY_COLUMNS = 32u;
+RESTIRPG_CONST ENERGY_TABLE = 2u * ENERGY_ROWS * (ENERGY_COLUMNS + 1u);
+
 /// glTF metallic-roughness with KHR_materials_{emissive_strength, transmission, ior, specular, volume}. Linear sRGB.
 struct Material {
     vec3 baseColor;
@@ -60,6 +65,7 @@ struct Material {
     float alphaCutoff;
     float normalScale;
     uint flags;  ///< MATERIAL_*
+    uint energyTable;  ///< index of this ior's table in SceneTable::energyTables
     TextureRef baseColorMap;  ///< sRGB, alpha in a
     TextureRef metallicRoughnessMap;  ///< roughness in g, metallic in b
     TextureRef normalMap;
@@ -149,6 +155,7 @@ struct SceneTable {
     Address lightOfTriangle;  ///< uint, see Instance::lightMap
     Address emissionCells;  ///< ImportanceCell, see Light::cells
     Address environmentCells;  ///< ImportanceCell per texel, row by row; 0: constant
+    Address energyTables;  ///< vec4, ENERGY_TABLE a table; 0: no energy compensation
     Address tlasNodes;  ///< software back end: BvhNode[]
     Address bvhObjects;  ///< software back end: BvhObject[], in the order of the TLAS's leaves
     uint instanceCount;

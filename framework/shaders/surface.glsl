@@ -112,6 +112,9 @@ BsdfParameters evaluate_parameters(Surface s, Material material, bool front)
     p.coatAverage = material.coatAverage;
     p.solid = (material.flags & MATERIAL_SOLID) != 0u;
     p.entering = front;
+#if RESTIRPG_ENERGY_COMPENSATION
+    p.energyTable = SCENE.energyTables + material.energyTable * ENERGY_TABLE * 16u;
+#endif
     return p;
 }
 

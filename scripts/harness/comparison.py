@@ -25,6 +25,7 @@ class Settings:
     bounces: int | None = None
     environment: str | None = None
     camera: int = 0
+    energy_compensation: bool = False
     reference: str | None = None  # an EXR in place of the path tracer
     reference_graph: str = PATH_TRACER
     reference_frames: int = 1024  # over all batches together
@@ -92,6 +93,7 @@ class Comparison:
                 code=code,
                 environment=settings.environment,
                 camera=settings.camera,
+                energy_compensation=settings.energy_compensation,
                 bounces=scenes.bounce_cap(scene, settings.bounces),
                 motion=settings.motion,
                 at=settings.at,

@@ -17,7 +17,7 @@ from harness.motion import Motion
 
 EVERY_FRAME_UP_TO = 256  # longer runs are measured at a geometric sequence of frames ...
 LAST_FRAMES = 32  # ... and at this many last ones, one after the other, for the temporal statistics
-MOTION_FIELDS = ("motion", "still", "at", "references")  # of a Job
+LATER_FIELDS = ("motion", "still", "at", "references", "energy_compensation")  # of a Job; see Job.key
 
 
 @dataclass(frozen=True)
@@ -88,18 +88,19 @@ class Job:
     still: int = 0  # the frame of `motion` whose view and time all frames have; 0: each has its own
     at: tuple = ()  # ascending frames whose own picture is measured, not the mean of all; (): the output is
     references: tuple = ()  # key of the reference of each frame of `at`
+    energy_compensation: bool = False  # of the material model
     label: str = field(default="", compare=False)  # for messages
 
     @property
     def key(self):
         """32 hexadecimal digits of the job's content; file names and labels are not part of it.
 
-        Nor is motion where there is none: results from before it could be asked for stay valid.
+        Nor are LATER_FIELDS that are not used: results from before they could be asked for stay valid.
         """
         content = {
             name: value
             for name, value in asdict(self).items()
-            if name not in ("scene", "graph", "label") and (name not in MOTION_FIELDS or value)
+            if name not in ("scene", "graph", "label") and (name not in LATER_FIELDS or value)
         }
         return digest(json.dumps(content, sort_keys=True).encode())
 

@@ -132,6 +132,7 @@ def make_renderer(job):
         seed=job.seed,
         device=job.device,
         backend=job.backend,
+        energy_compensation=job.energy_compensation,
     )
     if job.bounces is not None:
         renderer.set_everywhere("bounces", job.bounces)

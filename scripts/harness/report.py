@@ -138,6 +138,13 @@ def _motion(settings):
     return rows
 
 
+#: What the material model does with light that a rough surface scatters more than once.
+ENERGY = {
+    False: "single-scattering GGX, as in the code of the paper: the roughest white metal returns 0.40",
+    True: "energy-compensated GGX (Kulla & Conty 2017): a white metal returns 1",
+}
+
+
 def _provenance(settings, comparison):
     rows = provenance("scripts/compare.py", comparison.code, comparison.device.values())
     rows += [
@@ -147,6 +154,7 @@ def _provenance(settings, comparison):
         ),
         *_motion(settings),
         ("seeds", ", ".join(map(str, comparison.seeds()))),
+        ("rough surfaces", ENERGY[settings.energy_compensation]),
         ("bounce cap", "the scene's or the graph's own" if settings.bounces is None else str(settings.bounces)),
     ]
     rows += [

@@ -12,7 +12,12 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counters { u
 BsdfParameters test_parameters()
 {
     return BsdfParameters(test.baseColor, test.metallic, test.roughness, test.specular, test.specularColor,
-                          test.transmission, test.ior, test.coatAverage, test.solid != 0u, test.entering != 0u);
+                          test.transmission, test.ior, test.coatAverage, test.solid != 0u, test.entering != 0u
+#if RESTIRPG_ENERGY_COMPENSATION
+                          ,
+                          test.energyTable
+#endif
+    );
 }
 
 Bsdf test_bsdf()

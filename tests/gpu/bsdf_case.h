@@ -36,6 +36,7 @@ TEST_CONST DOMAIN_REFRACTION = 2u;  ///< the half vector of refraction, likewise
 struct BsdfCase {
     Address results;  ///< what the kernel writes
     Address inputs;  ///< what it reads besides; bsdf_values.comp only
+    Address energyTable;  ///< of the material's ior; read with energy compensation only
     vec3 baseColor;
     float metallic;
     float roughness;

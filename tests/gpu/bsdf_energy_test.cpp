@@ -2,37 +2,13 @@
 //
 // Null hypothesis of the upper bounds: the mean weight of 2^20 draws is at most 1. False-alarm rate: 3 to 3.5 standard
 // errors a comparison.
-#include "bsdf_cases.h"
-#include "gpu_test.h"
+#include "bsdf_measure.h"
 
 #include <cmath>
 #include <cstdio>
 
 namespace restirpg::test {
 namespace {
-
-using glm::dvec3;
-
-struct Albedo {
-    dvec3 mean;
-    dvec3 standardError;
-};
-
-Albedo albedo(BsdfCase test, uint32_t threads = 1u << 16)
-{
-    const Buffer results = device().createBuffer(threads * sizeof(FurnaceSums), "sums");
-    test.results = results.address();
-    test.seed = 77;
-    run("bsdf_furnace", test, threads);
-    dvec3 sum(0), square(0);
-    for (const FurnaceSums& thread : device().download<FurnaceSums>(results, threads)) {
-        sum += dvec3(thread.weight);
-        square += dvec3(thread.square);
-    }
-    const double draws = double(threads) * DRAWS_A_THREAD;
-    const dvec3 mean = sum / draws;
-    return {mean, glm::sqrt(glm::max(square / draws - mean * mean, dvec3(0)) / draws)};
-}
 
 TEST(BsdfEnergy, ReflectsNoMoreThanItReceives)
 {

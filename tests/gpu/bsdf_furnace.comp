@@ -14,7 +14,7 @@ void main()
     for (uint k = 0u; k < DRAWS_A_THREAD; ++k) {
         BsdfSample s = draw(b, key, k);
         vec3 weight = s.pdf > 0.0 ? s.weight : vec3(0.0);
-        if (s.lobe == LOBE_TRANSMIT && b.solid)
+        if (s.wi.z < 0.0 && b.solid)
             weight *= b.eta * b.eta;
         sums.weight += weight;
         sums.square += weight * weight;

@@ -4,8 +4,7 @@
 // over each bin. False-alarm rate: 1% over all comparisons of a test (Bonferroni). The same comparison must reject
 // samplers and pdfs that are wrong on purpose.
 #include "../support/statistics.h"
-#include "bsdf_cases.h"
-#include "gpu_test.h"
+#include "bsdf_measure.h"
 
 #include <fmt/format.h>
 
@@ -14,8 +13,6 @@
 namespace restirpg::test {
 namespace {
 
-constexpr uint32_t THREADS = 1u << 16;
-constexpr double DRAWS = double(THREADS) * DRAWS_A_THREAD;
 /// What the midpoint rule over 1024 points a bin may be off, of the whole mass.
 constexpr double QUADRATURE_ERROR = 2e-3;
 
@@ -23,55 +20,10 @@ constexpr double QUADRATURE_ERROR = 2e-3;
 /// draws to speak of.
 constexpr double MASS_TO_TEST = 1e-3;
 
-struct Histogram {
-    std::vector<uint32_t> counts;
-    double lost = 0;  ///< fraction of draws that carry nothing
-};
-
-Histogram sample(BsdfCase test)
-{
-    const Buffer counters = device().createBuffer((BINS + 1) * sizeof(uint32_t), "counters");
-    test.results = counters.address();
-    run("bsdf_sample", test, THREADS);
-    Histogram histogram;
-    histogram.counts = device().download<uint32_t>(counters, BINS + 1);
-    histogram.lost = histogram.counts.back() / DRAWS;
-    histogram.counts.pop_back();
-    return histogram;
-}
-
-struct Integrals {
-    std::vector<double> expected;  ///< draws a bin
-    double mass = 0;
-    double albedo = 0;  ///< luminance of the integral of f |cos|
-};
-
-Integrals integrate(BsdfCase test)
-{
-    const Buffer values = device().createBuffer(BINS * sizeof(glm::vec2), "integrals");
-    test.results = values.address();
-    run("bsdf_integrate", test, BINS);
-    Integrals integrals;
-    for (const glm::vec2& bin : device().download<glm::vec2>(values, BINS)) {
-        integrals.expected.push_back(bin.x * DRAWS);
-        integrals.mass += bin.x;
-        integrals.albedo += bin.y;
-    }
-    return integrals;
-}
-
 struct Case {
     std::string name;
     BsdfCase test;
 };
-
-/// Domain in which a lobe fills the bins.
-uint32_t domainOf(const BsdfCase& test)
-{
-    if (test.lobe == LOBE_DIFFUSE || test.lobe == LOBE_ALL)
-        return DOMAIN_SPHERE;
-    return test.lobe == LOBE_TRANSMIT && test.solid ? DOMAIN_REFRACTION : DOMAIN_REFLECTION;
-}
 
 /// Every rough lobe alone, and the whole BSDF where it is broad enough for bins on the sphere, seen from every
 /// direction.

@@ -1,7 +1,6 @@
 // What the BSDF is: against the textbook in double precision, classes of lobes, reciprocity.
-#include "bsdf_cases.h"
+#include "bsdf_measure.h"
 #include "extremes_case.h"
-#include "gpu_test.h"
 
 #include <bit>
 #include <cmath>
@@ -235,19 +234,6 @@ TEST(Bsdf, NoMaterialOrDirectionBreaksIt)
 }
 
 // ---- Reciprocity ----
-
-/// The largest relative difference of f after exchanging the directions.
-double reciprocityError(BsdfCase test, uint32_t error)
-{
-    const Buffer results = device().createBuffer(2 * sizeof(uint32_t), "reciprocity");
-    test.results = results.address();
-    test.error = error;
-    test.seed = 5;
-    run("bsdf_reciprocity", test, 1u << 16);
-    const auto words = device().download<uint32_t>(results, 2);
-    EXPECT_GT(words[1], 1000u) << "too few pairs of directions were tried";
-    return std::bit_cast<float>(words[0]);
-}
 
 TEST(Bsdf, ExchangingTheDirectionsChangesNothing)
 {

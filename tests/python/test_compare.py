@@ -253,6 +253,7 @@ def test_a_job_is_named_by_its_content_alone():
             ("environment", "1,1,1"),
             ("reference", "r"),
             ("backend", "rayquery"),
+            ("energy_compensation", True),
         ]
     ]
     assert len({job.key, *(other.key for other in others)}) == 1 + len(others)

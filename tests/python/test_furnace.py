@@ -5,7 +5,9 @@ with 15 degrees of freedom are a false alarm of 0.9% a case, but the seeds are f
 """
 
 import pytest
-from furnace_scenes import body_in_environment, closed_box, run_means, standard_errors_off
+from furnace_scenes import WHITE, body_in_environment, closed_box, metal, run_means, standard_errors_off, upright_strips
+from renderer_scenes import GRAPH, ROOT
+from scenes.gltf import Material
 
 RUNS, FRAMES = 16, 4
 LIMIT = 3.0  # standard errors
@@ -47,3 +49,12 @@ def test_a_convex_body_in_a_constant_environment_shows_its_albedo(folder, albedo
     means = run_means(body_in_environment(folder, albedo), RUNS, FRAMES, backend=backend, nee=nee)
     assert standard_errors_off(means, albedo) < LIMIT
     assert standard_errors_off(means, albedo * 0.99) > LIMIT
+
+
+@pytest.mark.parametrize("graph", [GRAPH, ROOT / "graphs" / "restir_pt.py"])
+def test_energy_compensation_gives_rough_white_surfaces_their_light_back(folder, graph):
+    """Metal and a frosted pane before a sky of radiance 1, which are flat: no light comes from one to the other."""
+    file = upright_strips(folder, metal("Roughest", WHITE, 1.0), metal("Rough", WHITE, 0.5),
+                          Material("Frosted", WHITE, roughness=0.7, transmission=1.0))
+    assert abs(run_means(file, RUNS, FRAMES, graph=graph, energy_compensation=True).mean() - 1) < 0.01
+    assert run_means(file, RUNS, FRAMES, graph=graph).mean() < 0.8

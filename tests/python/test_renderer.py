@@ -168,6 +168,7 @@ def test_a_saved_exr_holds_every_output_and_where_it_came_from(renderer, tmp_pat
     assert variance.tobytes() == renderer.output("variance").tobytes()
     header = restirpg.read_exr_attributes(tmp_path / "a.exr")
     assert header["restirpg.seed"] == "0" and header["restirpg.frames"] == "2"
+    assert header["restirpg.energyCompensation"] == "false"
     assert header["restirpg.sceneHash"] and '"bounces"' in header["restirpg.knobs"]
     renderer.save(tmp_path / "v.exr", half=True, output="variance")
     np.testing.assert_allclose(restirpg.read_exr(tmp_path / "v.exr"), variance, rtol=1e-3, atol=1e-6)

@@ -1,0 +1,111 @@
+// The light that a rough surface scatters more than once, which single-scattering GGX loses: one more lobe, after Kulla & Conty 2017
+// ("Revisiting Physically Based Shading at Imageworks"). Part of bsdf_model.glsl, where RESTIRPG_ENERGY_COMPENSATION is on.
+//
+//   f = k L(wo) L(wi) / pi,   L(w) = 1 - (what single scattering returns of light from w), by the tables of energy.glsl
+//
+// It is a product of one function of each direction, so reciprocity is exact. k spreads what was lost, mean(L), so that
+// a white surface returns 1 from every direction. It belongs to LOBE_DIFFUSE: drawn by the cosine, above or across. An
+// opaque dielectric needs no lobe of it: its base gets all that the coat does not reflect (coat_passage).
+#ifndef RESTIRPG_MULTIPLE_SCATTERING_GLSL
+#define RESTIRPG_MULTIPLE_SCATTERING_GLSL
+
+const float SMALLEST_LOSS = 1e-6;
+
+/// What the coat reflects by single scattering, from an entry of the table.
+vec3 coat_energy(Bsdf b, vec4 energy)
+{
+    return b.coat0 * energy.x + (b.coat90 - b.coat0) * energy.y;
+}
+
+/// What a transmitting dielectric loses. A thin sheet mirrors what it transmits, so it loses what a metal loses.
+vec3 dielectric_loss(Bsdf b, vec4 energy)
+{
+    if (!b.solid)
+        return vec3(1.0 - energy.x);
+    vec3 refracted = (1.0 - b.coat0) * energy.z - (b.coat90 - b.coat0) * energy.w;
+    return max(1.0 - coat_energy(b, energy) - refracted, 0.0);
+}
+
+/// Factors of light that meets metal facets again and again: the series F^2 E / (1 - F (1 - E)), E the mean that returns at once.
+vec3 metal_factor(Bsdf b, float mean)
+{
+    vec3 f = b.metal + (1.0 - b.metal) / 21.0;  // Schlick's mean over the hemisphere
+    float lost = max(1.0 - mean, SMALLEST_LOSS);
+    return b.metallic * f * f * mean / (1.0 - f * lost) / lost;
+}
+
+/// Split of a solid's loss. The share X that crosses must satisfy X_near mean(L_near) = eta^2 X_far mean(L_far) for reciprocity;
+/// means T of a smooth interface's transmittance satisfy T_near = eta^2 T_far, so X = T min(1, mean(L_far) / mean(L_near)) does.
+void split_solid_loss(Bsdf b, float smooth_average, bool inside, inout MultipleScattering many)
+{
+    vec3 near = max(dielectric_loss(b, energy_mean(many.table, many.near)), SMALLEST_LOSS);
+    vec3 far = max(dielectric_loss(b, energy_mean(many.table, many.far)), SMALLEST_LOSS);
+    vec3 transmitted = 1.0 - mix(b.coat0, vec3(b.coat90), smooth_average);
+    transmitted *= inside ? b.eta * b.eta : 1.0;  // T outside is given
+    vec3 crossing = transmitted * min(far / near, 1.0);
+    many.reflected = (1.0 - crossing) / near;
+    many.across = crossing / (far * b.eta * b.eta);
+}
+
+MultipleScattering multiple_scattering(Bsdf b, BsdfParameters p, bool inside)
+{
+    EnergyRows near = energy_rows(inside, p.roughness);
+    EnergyRows far = energy_rows(b.solid && !inside, p.roughness);
+    MultipleScattering many = MultipleScattering(p.energyTable, near, far, vec3(0.0), vec3(0.0), vec3(0.0));
+    if (b.alpha == 0.0)
+        return many;
+    float mean = energy_mean(many.table, near).x;
+    many.metal = metal_factor(b, mean);
+    float share = (1.0 - p.metallic) * p.transmission;
+    if (share == 0.0 || b.eta == 1.0)
+        return many;
+    float smooth_average = p.ior == 0.0 ? 1.0 / 21.0 : p.coatAverage;
+    if (b.solid) {
+        split_solid_loss(b, smooth_average, inside, many);
+    } else {
+        vec3 reflected = pane_fresnel(mix(b.coat0, vec3(b.coat90), smooth_average));
+        float lost = max(1.0 - mean, SMALLEST_LOSS);
+        many.reflected = reflected / lost;
+        many.across = (1.0 - reflected) / lost;
+    }
+    many.reflected *= share;
+    many.across *= share * p.baseColor;
+    return many;
+}
+
+/// f of the lobe.
+vec3 eval_many(Bsdf b, vec3 wo, vec3 wi)
+{
+    if (b.alpha == 0.0)
+        return vec3(0.0);
+    vec4 o = energy_returned(b.many.table, b.many.near, wo.z);
+    bool above = wi.z > 0.0;
+    vec4 i = energy_returned(b.many.table, above ? b.many.near : b.many.far, abs(wi.z));
+    vec3 f = (above ? b.many.reflected : b.many.across) * dielectric_loss(b, o) * dielectric_loss(b, i);
+    if (above)
+        f += b.many.metal * (1.0 - o.x) * (1.0 - i.x);
+    return f * INV_PI;
+}
+
+/// Luminance that the lobe scatters above (x) and across (y).
+vec2 many_energy(Bsdf b, vec3 wo)
+{
+    if (b.alpha == 0.0)
+        return vec2(0.0);
+    vec4 o = energy_returned(b.many.table, b.many.near, wo.z);
+    vec4 near = energy_mean(b.many.table, b.many.near);
+    vec3 lost = dielectric_loss(b, o);
+    vec3 above = b.many.metal * (1.0 - o.x) * (1.0 - near.x) + b.many.reflected * lost * dielectric_loss(b, near);
+    vec3 across = b.many.across * lost * dielectric_loss(b, energy_mean(b.many.table, b.many.far));
+    return vec2(luminance(above), luminance(across));
+}
+
+/// How often LOBE_DIFFUSE is drawn across the surface.
+float across_probability(Bsdf b, vec3 wo)
+{
+    vec2 many = many_energy(b, wo);
+    float above = luminance(b.diffuse * (1.0 - coat_fresnel(b, coat_cosine(wo.z, b.alpha)))) + many.x;
+    return many.y > 0.0 ? clamp(many.y / (above + many.y), 0.05, 1.0) : 0.0;
+}
+
+#endif
