@@ -13,8 +13,6 @@ change against the first graph, paired by seed:
 """
 
 import argparse
-import json
-import runpy
 import sys
 from pathlib import Path
 
@@ -25,9 +23,12 @@ GRAPHS = ROOT / "graphs"
 sys.path.insert(0, str(ROOT / "scripts"))
 
 from harness import UserError, program, render  # noqa: E402
+from harness.guiding import passes_of  # noqa: E402
+from harness.jobs import parse_method  # noqa: E402
 from harness.statistics import ratio  # noqa: E402
 
 COLUMNS = ("frame", "mean", "candidates")
+ALONE = "candidates without reuse"  # a pass
 
 
 def parse():
@@ -37,9 +38,9 @@ def parse():
     parser.add_argument("scene")
     parser.add_argument("graphs", nargs="+", metavar="GRAPH[@KNOB=VALUE,...]")
     parser.add_argument("--size", type=program.size, default=(96, 54), help="pixels (96x54)")
-    parser.add_argument("--bounces", type=int, default=4, help="(%(default)s)")
+    parser.add_argument("--bounces", type=program.bounces, default=4, help="(%(default)s)")
     for name, number in (("frames", 24), ("skip", 8), ("seeds", 4), ("reference-frames", 3000)):
-        parser.add_argument(f"--{name}", type=int, default=number, help="(%(default)s)")
+        parser.add_argument(f"--{name}", type=program.whole(0 if name == "skip" else 1), default=number, help="(%(default)s)")
     return parser.parse_args()
 
 
@@ -71,22 +72,17 @@ def make_reference(arguments, scene):
 
 def make_method(arguments, scene, text):
     """A renderer of GRAPH@KNOB=VALUE,... that shows the parts of each frame."""
-    file, _, settings = text.partition("@")
-    if not Path(file).is_file():
-        raise UserError(f"{file}: no such graph file")
-    graph = runpy.run_path(file)["graph"]
-    surface = graph["gbuffer"].surface
-    alone = graph.add("alone", "ReSTIRReuse", surface=surface, candidates=graph["paths"].candidates,
-                      temporal=False, rounds=0)
-    graph.output("direct", graph["direct"].radiance)
-    graph.output("emission", graph["gbuffer"].emission)
-    graph.output("resampled", graph["reuse"].radiance)
-    graph.output("candidates", alone.radiance)
+    method = parse_method(text)
+    graph = render.describe_graph(method.graph)
+    gbuffer, direct, paths, reuse = passes_of(graph, "GBuffer", "ReSTIRDI", "PathTracerGuided", "ReSTIRReuse")
+    inputs = {"surface": {"pass": gbuffer, "output": "surface"}, "candidates": {"pass": paths, "output": "candidates"}}
+    graph["passes"].append({"name": ALONE, "type": "ReSTIRReuse", "inputs": inputs, "knobs": {"temporal": False, "rounds": 0}})
+    shown = {"direct": (direct, "radiance"), "emission": (gbuffer, "emission"), "resampled": (reuse, "radiance"),
+             "candidates": (ALONE, "radiance")}
+    graph["outputs"] += [{"name": name, "pass": owner, "output": output} for name, (owner, output) in shown.items()]
     renderer = make_renderer(arguments, scene, graph)
-    for setting in filter(None, settings.split(",")):
-        knob, _, value = setting.partition("=")
-        kind = type(renderer.get(knob))
-        renderer.set(knob, value if kind is str else kind(json.loads(value)))
+    for knob, value in method.knobs:
+        renderer.set(knob, value)
     return renderer
 
 
@@ -125,7 +121,6 @@ def sweep(arguments):
     """Print one line a graph."""
     import restirpg
 
-    sys.path.insert(0, str(GRAPHS))
     scene = restirpg.load_scene(arguments.scene)
     reference = make_reference(arguments, scene)
     first = None
@@ -143,6 +138,8 @@ def main():
 
     def body(_):
         render.find_package()
+        if arguments.skip >= arguments.frames:
+            raise UserError(f"--skip {arguments.skip} leaves none of --frames {arguments.frames}")
         with render.refusals():
             sweep(arguments)
         return 0

@@ -10,7 +10,7 @@ Each GRAPH is one method; the first is the baseline that the others are tested a
 (`paths.nee=false`, or `bounces=2` on every pass that has it) and label, output, device, backend. Prints
 tables and writes report.html, CSV and EXR files into the folder --out. Finished runs are kept: the same
 command again, after any interruption, goes on where it stopped. Exit code: 0; 1 when a run failed (the others
-are reported); 2 for a mistake in what was asked; 130 after Ctrl-C.
+are reported); 2 for a mistake in what was asked; 130 after Ctrl-C, 143 after SIGTERM.
 """
 
 import argparse
@@ -21,22 +21,12 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from harness import UserError, analysis, program, render, report, selftest, tables  # noqa: E402
+from harness import UserError, analysis, files, program, render, report, selftest, tables  # noqa: E402
 from harness.comparison import PATH_TRACER, Comparison, Settings  # noqa: E402
-from harness.jobs import Cache, parse_method  # noqa: E402
+from harness.jobs import parse_method  # noqa: E402
 from harness.motion import Motion  # noqa: E402
-from harness.workers import open_pool  # noqa: E402
 
-
-def length(text):
-    """A positive number."""
-    try:
-        number = float(text)
-    except ValueError:
-        number = 0.0
-    if not 0 < number < float("inf"):
-        raise argparse.ArgumentTypeError(f"'{text}' is no positive number")
-    return number
+OUTPUTS = ("report.html", "tables.txt", "*.csv", "images/*.exr")  # below --out
 
 
 def parse(arguments):
@@ -63,10 +53,10 @@ def parse(arguments):
         help="measure these frames' own pictures, not the mean of all: each against a reference with its own "
         "time and camera",
     )
-    add("--fps", type=length, default=0.0, metavar="F", help="play the scene's animation, F frames a second")
+    add("--fps", type=program.length, default=0.0, metavar="F", help="play the scene's animation, F frames a second")
     add(
         "--circle",
-        type=length,
+        type=program.length,
         default=0.0,
         metavar="METRES",
         help="move the camera round a circle of this radius in its own plane, 6 frames a turn",
@@ -85,7 +75,7 @@ def parse(arguments):
         "own)",
     )
     add("--environment", metavar="FILE|R,G,B", help="environment light in place of the scene's")
-    add("--camera", type=int, default=0, help="number of the scene's camera (%(default)s)")
+    add("--camera", type=program.whole(0), default=0, help="number of the scene's camera (%(default)s)")
     add(
         "--energy-compensation",
         action="store_true",
@@ -153,6 +143,9 @@ def compare(options, cache, pool, display):
     """Run the comparison, print the tables and write the files. Returns the exit code."""
     started = time.monotonic()
     settings = settings_from(options)
+    out = Path(options.out)
+    inputs = [settings.reference, settings.environment, settings.reference_graph, *settings.scenes]
+    files.refuse_inputs_among([*inputs, *(method.graph for method in settings.methods)], out, OUTPUTS)
     comparison = Comparison(settings, cache, pool, display)
     comparison.prepare()
     for device in dict.fromkeys(
@@ -161,9 +154,7 @@ def compare(options, cache, pool, display):
         print(f"device: {device}")
     findings = analysis.analyse(comparison.run())
     text = tables.as_text(findings)
-    out = Path(options.out)
-    out.mkdir(parents=True, exist_ok=True)
-    (out / "tables.txt").write_text(text)
+    files.write(out / "tables.txt", text)
     tables.write_csv(findings, out)
     report.write_pictures(findings, out / "images")
     report.write(findings, settings, comparison, out / "report.html")
@@ -183,10 +174,9 @@ def main(arguments):
 
     def body(display):
         render.find_package()
-        cache = Cache(options.cache or Path(options.out) / "cache")
+        files.make_folder(options.out, "--out")
         # Nothing is timed in the self-test, and most of a small run is one core's work.
-        count = os.cpu_count() if options.self_test else options.jobs
-        with open_pool(cache.folder, count, options.scheduler) as pool:
+        with program.runner(options, display, os.cpu_count() if options.self_test else None) as (cache, pool):
             return (selftest.run if options.self_test else compare)(options, cache, pool, display)
 
     return program.run("compare.py", body)

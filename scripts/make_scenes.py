@@ -6,6 +6,7 @@ import pathlib
 import sys
 
 try:
+    from harness import UserError, files
     from scenes import SCENES
 except ModuleNotFoundError as missing:
     print(f"make_scenes.py: {sys.executable} lacks '{missing.name}': use a Python with NumPy",
@@ -44,11 +45,11 @@ def main():
             print(f"{name:24} {build.__doc__.splitlines()[0]}")
         return 0
     try:
-        arguments.out.mkdir(parents=True, exist_ok=True)
+        files.make_folder(arguments.out, "--out")
         for name in arguments.names or SCENES:
             print(SCENES[name]().write(arguments.out))
-    except OSError as error:
-        print(f"make_scenes.py: cannot write to {arguments.out}: {error.strerror}", file=sys.stderr)
+    except UserError as error:
+        print(f"make_scenes.py: {error}", file=sys.stderr)
         return 2
     return 0
 

@@ -7,7 +7,8 @@ WHAT is one or more of: figure 1, 2, 4, 5, 6, 7 or 8 (`figure 5 6`), `table 1`, 
 or `all`. Writes report.html, which needs no network, and beside it PNG, CSV and EXR files. Finished runs are
 kept and shared by all figures: the same command again, after any interruption, goes on where it stopped.
 Embedded scenes are named as by `scripts/make_scenes.py --list`; a FILE is any .glb or .gltf. Exit code: 0; 1
-when a run failed (the others are reported); 2 for a mistake in what was asked; 130 after Ctrl-C.
+when a run failed (the others are reported); 2 for a mistake in what was asked; 130 after Ctrl-C, 143 after
+SIGTERM.
 """
 
 import argparse
@@ -18,10 +19,10 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from harness import UserError, program, render  # noqa: E402
-from harness.jobs import Cache  # noqa: E402
+from harness import UserError, files, program, render  # noqa: E402
 from harness.paper import experiments, page, paper  # noqa: E402
-from harness.workers import open_pool  # noqa: E402
+
+OUTPUTS = [f"{folder}*.{kind}" for folder in ("", "*/", "*/*/") for kind in ("html", "png", "csv", "exr")]  # below --out
 
 
 def parse(arguments):
@@ -108,9 +109,6 @@ def reproduce(options, cache, pool, display):
     """Run the experiments and write the report. Returns the exit code."""
     started = time.monotonic()
     evaluation = paper.Paper(size_from(options), options.out, cache, pool, display, options.scenes)
-    if options.list:
-        print_list(evaluation)
-        return 0
     wanted = chosen(options.what)
     for scene in evaluation.chosen:
         evaluation.file(scene)  # a wrong name is told before anything long starts
@@ -135,10 +133,13 @@ def main(arguments):
 
     def body(display):
         render.find_package()
-        if not options.list:
-            chosen(options.what)
-        cache = Cache(options.cache or Path(options.out) / "cache")
-        with open_pool(cache.folder, options.jobs, options.scheduler) as pool:
+        if options.list:
+            print_list(paper.Paper(size_from(options), options.out, None, None, display, options.scenes))
+            return 0
+        chosen(options.what)
+        files.refuse_inputs_among([*(options.scenes or ()), options.reference_graph], options.out, OUTPUTS)
+        files.make_folder(options.out, "--out")
+        with program.runner(options, display) as (cache, pool):
             return reproduce(options, cache, pool, display)
 
     return program.run("reproduce.py", body)

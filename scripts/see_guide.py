@@ -19,12 +19,13 @@ light, BSDF and cosine.
 """
 
 import argparse
+import io
 import sys
 from pathlib import Path
 
 import numpy as np
 
-from harness import program, render
+from harness import files, program, render
 
 
 def parse():
@@ -37,7 +38,7 @@ def parse():
     parser.add_argument("--graph", type=Path, default=Path(__file__).parents[1] / "graphs" / "restir_pg.py")
     parser.add_argument("--frames", type=program.positive, default=64)
     parser.add_argument("--size", type=program.size, default=(160, 90))
-    parser.add_argument("--cell-size", type=float, default=0.05)
+    parser.add_argument("--cell-size", type=program.length, default=0.05)
     parser.add_argument("--raw", action="store_true")
     parser.add_argument("--markdown", type=Path)
     parser.add_argument("-o", type=Path, default=Path("out/guide.png"))
@@ -77,9 +78,10 @@ def see(arguments):
     ]
     print("\n".join(head + lines))
     if arguments.markdown:
-        arguments.markdown.write_text("\n".join(head + lines) + "\n")
-    arguments.o.parent.mkdir(parents=True, exist_ok=True)
-    guide_maps.draw(maps, ("L_i cos", "directions", "fitted lobes")).savefig(arguments.o, dpi=90)
+        files.write(arguments.markdown, "\n".join(head + lines) + "\n")
+    picture = io.BytesIO()
+    guide_maps.draw(maps, ("L_i cos", "directions", "fitted lobes")).savefig(picture, format="png", dpi=90)
+    files.write(arguments.o, picture.getvalue())
     return 0
 
 
@@ -89,6 +91,9 @@ def main():
 
     def body(_):
         render.find_package()
+        for file, option in ((arguments.o, "-o"), (arguments.markdown, "--markdown")):
+            if file:
+                files.prepare(file, [arguments.scene, arguments.graph], option)
         with render.refusals():
             return see(arguments)
 

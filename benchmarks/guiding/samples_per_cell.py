@@ -20,36 +20,58 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
-from harness import cell_counts, render, scenes  # noqa: E402
+from harness import cell_counts, files, program, render, scenes  # noqa: E402
 
 SCENES = ["door_ajar", "door_ajar_diffuse", "bidirectional_room", "living_room", "temple"]
 GRAPH = str(ROOT / "graphs" / "restir_pg.py")
 
 
-def main():
+def parse():
+    """The command line."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--scene", nargs="+", default=SCENES)
-    parser.add_argument("--size", type=lambda text: tuple(map(int, text.split("x"))), default=(160, 90))
+    parser.add_argument("--size", type=program.size, default=(160, 90))
     parser.add_argument("--markdown", type=Path)
-    arguments = parser.parse_args()
+    return parser.parse_args()
+
+
+def count(arguments):
+    """Print the table, and write it where that is asked for."""
+    import restirpg
+
+    if arguments.markdown:
+        files.prepare(arguments.markdown, arguments.scene, "--markdown")
     lines = [
         "| scene | cells, ReSTIR / raw | own cells | cells of either | sample-weighted |",
         "| --- | --- | --- | --- | --- |",
     ]
-    render.find_package()
     description = json.dumps(render.describe_graph(GRAPH))
     with tempfile.TemporaryDirectory() as folder:
         for name in arguments.scene:
-            found = cell_counts.measure(scenes.file_of(name, folder), description, arguments.size, seeds=[1])
+            scene = restirpg.load_scene(scenes.file_of(name, folder))
+            found = cell_counts.measure(scene, description, arguments.size, seeds=[1])
             (restir, raw), (cells, raw_cells) = found["averages"].mean((0, 1)), found["cells"][0, -1]
             pairs = " | ".join(f"{a:.2f} / {b:.2f} ({a / b:.1f})" for a, b in zip(restir, raw))
             lines.append(f"| {Path(name).stem} | {cells} / {raw_cells} | {pairs} |")
             print(lines[-1], flush=True)
     if arguments.markdown:
-        arguments.markdown.write_text("\n".join(lines) + "\n")
+        files.write(arguments.markdown, "\n".join(lines) + "\n")
+
+
+def main():
+    """The command line. Returns the exit code."""
+    arguments = parse()
+
+    def body(_):
+        render.find_package()
+        with render.refusals():
+            count(arguments)
+        return 0
+
+    return program.run("samples_per_cell.py", body)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

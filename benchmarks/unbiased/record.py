@@ -24,7 +24,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 from report import as_json, as_markdown, findings_of  # noqa: E402
 from runs import Case, MethodRuns, ReferenceBatches  # noqa: E402
 
-from harness import program, render, scenes  # noqa: E402
+from harness import files, program, render, scenes  # noqa: E402
 from harness.jobs import parse_method  # noqa: E402
 from harness.motion import Motion  # noqa: E402
 from harness.unbiased import compare  # noqa: E402
@@ -33,17 +33,13 @@ from harness.unbiased import compare  # noqa: E402
 def size(text):
     """`WxH` in pixels."""
     width, _, height = text.partition("x")
-    edges = [int(edge) for edge in (width, height) if edge.isdigit()]
+    edges = [int(edge) for edge in (width, height) if edge.isascii() and edge.isdigit() and len(edge) < 6]
     if len(edges) != 2 or any(edge < 4 or edge % 4 for edge in edges):
         raise argparse.ArgumentTypeError(f"'{text}' is not WIDTHxHEIGHT in multiples of 4, as in 48x48")
     return tuple(edges)
 
 
-def several(text):
-    """A whole number of at least 2."""
-    if not text.isdigit() or int(text) < 2:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least 2")
-    return int(text)
+several = program.whole(2)
 
 
 def parse(arguments):
@@ -60,9 +56,9 @@ def parse(arguments):
     add("--block", type=int, choices=(4, 8, 16), default=4,
         help="edge of a block, pixels: larger ones for scenes of rare bright samples (%(default)s)")
     add("--bounces", type=program.bounces, help="bounce cap of method and reference (the scene's, or the graph's own)")
-    add("--circle", type=float, default=0.0, metavar="M",
+    add("--circle", type=program.length, default=0.0, metavar="M",
         help="move the camera in a circle of this radius, 6 frames a turn")
-    add("--fps", type=float, default=0.0, help="play the scene's animation, frames a second")
+    add("--fps", type=program.length, default=0.0, help="play the scene's animation, frames a second")
     add("--reference-batches", type=several, default=64, metavar="N",
         help="independent parts of the reference (%(default)s)")
     add("--batch-frames", type=several, default=256, metavar="N",
@@ -111,7 +107,7 @@ def record(options):
         with open(options.markdown, "a") as file:
             file.write(as_markdown(findings))
     if options.json:
-        options.json.write_text(as_json(findings))
+        files.write(options.json, as_json(findings))
     return 1 if findings["biased"] else 0
 
 
@@ -121,6 +117,9 @@ def main(arguments):
 
     def body(_):
         render.find_package()
+        for file, option in ((options.markdown, "--markdown"), (options.json, "--json")):
+            if file:
+                files.prepare(file, [options.scene, options.method.partition("@")[0]], option)
         with render.refusals():
             return record(options)
 

@@ -30,12 +30,13 @@ class Case:
     def job(self):
         """The case as the harness's Job, whose seed and frames count for nothing."""
         description = render.describe_graph(self.method.graph)
-        return Job(
-            scene=str(self.scene), scene_hash=scenes.content_hash(self.scene), graph=self.method.graph,
+        job = Job(
+            scene=str(self.scene), scene_hash="", graph=self.method.graph,
             description=json.dumps(description, sort_keys=True), size=self.size, frames=0, seed=0,
             code=code_of(description), knobs=self.method.knobs, output=self.method.output,
-            bounces=scenes.bounce_cap(self.scene, self.bounces), device=self.method.device,
-            backend=self.method.backend)
+            device=self.method.device, backend=self.method.backend)
+        facts = scenes.facts_of(*render.load_scene(job))
+        return replace(job, scene_hash=facts.hash, bounces=facts.bounces(self.bounces))
 
 
 def code_of(description):

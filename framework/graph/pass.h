@@ -13,7 +13,7 @@ class Device;  // gpu/device.h
 class Frame;  // render/frame.h
 
 /// Changes whenever a struct or a virtual function that plugins see changes. Checked when a plugin is loaded.
-constexpr uint32_t PLUGIN_ABI = 2;
+constexpr uint32_t PLUGIN_ABI = 3;
 
 class Pass {
 public:
@@ -36,6 +36,7 @@ struct PluginEntry {
     const char* name;
     const char* meaning;
     std::unique_ptr<Pass> (*create)();
+    const char* source = "";  ///< the folder that the pass was built from; see pluginFolder
 };
 
 #ifdef RESTIRPG_PASS_FOLDER  // set by restirpg_add_pass
@@ -54,4 +55,4 @@ struct PluginEntry {
 #define RESTIRPG_PASS(Type, meaning)                                                                              \
     extern "C" __attribute__((visibility("default"))) const ::restirpg::PluginEntry restirpgPlugin = {            \
         ::restirpg::PLUGIN_ABI, #Type, meaning,                                                                   \
-        []() -> std::unique_ptr<::restirpg::Pass> { return std::make_unique<Type>(); }};
+        []() -> std::unique_ptr<::restirpg::Pass> { return std::make_unique<Type>(); }, RESTIRPG_PASS_FOLDER};

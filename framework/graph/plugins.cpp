@@ -103,6 +103,17 @@ const Plugin* Plugins::find(const std::string& name) const
     return &found->second;
 }
 
+std::vector<fs::path> Plugins::code() const
+{
+    std::vector<fs::path> paths;
+    for (const auto& name : names())
+        if (const Plugin* plugin = find(name)) {
+            paths.push_back(plugin->library);
+            paths.push_back(pluginFolder(plugin->entry, plugin->entry->source));
+        }
+    return paths;
+}
+
 std::string Plugins::problem(const std::string& name) const
 {
     const auto found = problems_.find(name);

@@ -2,8 +2,10 @@
 #include "binding.h"
 
 #include "core/error.h"
+#include "core/paths.h"
 #include "gpu/device.h"
 #include "graph/graph.h"
+#include "graph/plugins.h"
 #include "scene/gltf.h"
 
 #include <memory>
@@ -33,6 +35,26 @@ std::shared_ptr<Scene> loadScene(const fs::path& file, uint32_t camera, const st
              scene->cameras.size());
     scene->camera = camera;
     return scene;
+}
+
+/// (first key, last key, jump) of each channel: a list of tuples.
+py::list animationKeys(const Scene& scene)
+{
+    py::list result;
+    for (const AnimationChannel& channel : scene.channels) {
+        const bool jump = channel.interpolation == AnimationChannel::Interpolation::step && channel.times.size() <= 2;
+        if (!channel.times.empty())
+            result.append(py::make_tuple(channel.times.front(), channel.times.back(), jump));
+    }
+    return result;
+}
+
+std::vector<fs::path> codePaths()
+{
+    std::vector<fs::path> paths = {libraryFolder() / "librestirpg.so", shaderFolder()};
+    const auto passes = Plugins().code();
+    paths.insert(paths.end(), passes.begin(), passes.end());
+    return paths;
 }
 
 std::vector<std::string> nodeNames(const Scene& scene)
@@ -68,6 +90,9 @@ void bindScene(py::module_& module)
         .def_readonly("hash", &Scene::hash, "Content hash of the file and all it refers to, 16 hexadecimal digits.")
         .def_readonly("bounce_cap", &Scene::bounceCap, "The scene's own bounce cap, or None.")
         .def_readonly("duration", &Scene::duration, "End of the last animation key, s.")
+        .def_property_readonly("animation_keys", &animationKeys,
+                               "Of each animation channel: (time of its first key, of its last, s; whether it jumps from one "
+                               "value to another at its last key and moves at no other time).")
         .def_property_readonly("triangles", &Scene::instancedTriangleCount,
                                "Number of triangles, each instance counted.")
         .def_property_readonly(
@@ -90,6 +115,10 @@ void bindScene(py::module_& module)
     module.def(
         "load_graph", [](const fs::path& file) { return GraphDescription{readGraphFile(file)}; }, LOAD_GRAPH, "file"_a,
         py::call_guard<py::gil_scoped_release>());
+
+    module.def("code_paths", &codePaths,
+               "Files and folders of code that pictures depend on, where this process takes them from: the framework's library, "
+               "its shaders (RESTIRPG_SHADERS), and of each pass (RESTIRPG_PLUGIN_PATH) the library and its kernels' folder.");
 
     module.def("devices", &devices,
                "Every Vulkan device: a list of {name, driver, type, ray_query, missing}. A device is usable when "

@@ -9,9 +9,8 @@ import json
 
 import numpy as np
 
-from harness.guiding import CELL, HEADER, MEMORY, SUMS, VERTEX, grid_of, is_valid, read_table, vertex_face
+from harness.guiding import CELL, MEMORY, SUMS, VERTEX, GuidedGraph, header_of, is_valid, vertex_face
 
-PORTS = {"ReSTIR": "reuse.vertices", "raw": "paths.vertices"}
 KEY_BYTES = 8
 BYTES = {
     "vertex": VERTEX.itemsize,
@@ -20,9 +19,8 @@ BYTES = {
 }
 
 
-def counts_of(renderer, port):
+def counts_of(renderer, grid, port):
     """{key: samples} of the last frame."""
-    grid = grid_of(read_table(renderer.read_port("splat.statistics"), SUMS)[0])
     v = renderer.read_port(port).view(VERTEX)
     v = v[is_valid(v)]
     keys = grid.keys(grid.positions(v["position"]), vertex_face(v), v["surface"] & 0xFFFF)[0]
@@ -44,10 +42,13 @@ def measure(scene, description, size, seeds, bounces=None, first=8, last=12):
     """
     import restirpg
 
-    renderer = restirpg.Renderer(restirpg.load_scene(scene), json.loads(description), size=tuple(size))
+    description = json.loads(description)
+    names = GuidedGraph(description)
+    ports = f"{names.reuse}.vertices", f"{names.paths}.vertices"
+    renderer = restirpg.Renderer(scene, description, size=tuple(size))
     if bounces:
         renderer.set_everywhere("bounces", bounces)
-    renderer.set("paths.alpha", 1.0)
+    renderer.set(f"{names.paths}.alpha", 1.0)
     found, cells, guiding = [], [], []
     for seed in seeds:
         renderer.seed = seed
@@ -55,10 +56,11 @@ def measure(scene, description, size, seeds, bounces=None, first=8, last=12):
         renderer.render(first - 1)
         for _ in range(first, last + 1):
             renderer.render(1)
-            restir, raw = (counts_of(renderer, port) for port in PORTS.values())
+            grid = names.grid(renderer)
+            restir, raw = (counts_of(renderer, grid, port) for port in ports)
             found.append([averages(restir, raw), averages(raw, restir)])
             cells.append([len(restir), len(raw)])
-            header = renderer.read_port("fit.guide")[: HEADER.itemsize].view(HEADER)[0]
+            header = header_of(renderer.read_port(f"{names.fit}.guide"))
             guiding.append(int(header["guiding"]))
     frames = last - first + 1
     return {

@@ -15,12 +15,12 @@ from concurrent.futures import CancelledError
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness import UserError, render, workers
-from harness.jobs import Cache, digest
+from harness import Halt, UserError, render, workers
+from harness.cache import Cache
+from harness.jobs import digest
 
 FOLDER = Path(__file__).resolve().parent
 HARNESS = digest(b"".join(file.read_bytes() for file in sorted(FOLDER.rglob("*.py"))))  # as it was imported
-PLUGINS = "RESTIRPG_PLUGIN_PATH"
 SECONDS = 10  # to wait for the scheduler, and for a first worker
 
 _one_at_a_time = threading.Lock()  # a worker may have several threads, the renderer has one
@@ -32,7 +32,7 @@ class Place:
 
     folder: str  # working folder, for scenes and graphs named relative to it
     package: str  # folder that holds the package `restirpg`
-    plugins: str  # RESTIRPG_PLUGIN_PATH
+    variables: tuple  # values of render.VARIABLES, None: not set
     cache: str
     harness: str  # hash of the harness
     code: str  # hash of the renderer's own files
@@ -53,12 +53,13 @@ class Cluster:
 
     def __init__(self, folder, address):
         """folder: of the cache; address: of the scheduler, as in tcp://head:8786. Raises UserError."""
+        self.finished = 0  # as Pool's
         self._distributed = _import_distributed()
         self._address = address
         self._place = Place(
             os.getcwd(),
             str(render.package_folder().parent),
-            os.environ.get(PLUGINS, ""),
+            tuple(map(os.environ.get, render.VARIABLES)),
             str(Path(folder).resolve()),
             HARNESS,
             render.code_version(),
@@ -97,6 +98,7 @@ class Cluster:
                 del waiting[future]
                 if kind == "run":
                     on_tick(job, job.frames)
+                self.finished += not failure and kind in ("run", "call")
                 yield job, failure, answer
         finally:
             self._client.cancel(list(waiting))
@@ -130,14 +132,19 @@ def _task(scripts):
 
 
 def serve(kind, payload):
-    """Do a task in a worker; returns (failure, answer): a line of text or None, and what Worker.do returns."""
+    """Do a task in a worker; returns (failure, answer): a line of text or None, and what Worker.do returns.
+
+    Raises Halt.
+    """
     with _one_at_a_time:
         try:
             place, job = pickle.loads(payload)
             worker = _settle(place)
-            if kind != "probe" and Cache(place.cache).load(job.key):
+            if kind in ("run", "call") and Cache(place.cache).load(job.key):
                 return None, None  # who did it before died before it could say so
             return None, worker.do(kind, job)
+        except Halt:
+            raise
         except Exception as error:
             return workers.one_line(error), None
 
@@ -148,16 +155,19 @@ def _settle(place):
     if place.harness != HARNESS:
         raise UserError("a Dask worker runs another version of the harness: start the workers anew")
     os.chdir(place.folder)
-    os.environ[PLUGINS] = place.plugins
+    for name, value in zip(render.VARIABLES, place.variables):
+        os.environ.pop(name, None)
+        if value is not None:
+            os.environ[name] = value
     if place.package not in sys.path:
         sys.path.insert(0, place.package)
     render.find_package()
-    if str(render.package_folder().parent) != place.package or _code(place.plugins) != place.code:
+    if str(render.package_folder().parent) != place.package or _code(place.variables) != place.code:
         raise UserError("a Dask worker runs another build of the renderer: start the workers anew")
     return workers.Worker(place.cache)
 
 
 @functools.lru_cache
-def _code(plugins):
+def _code(variables):
     """Hash of the renderer's files when this process first used them."""
     return render.code_version()

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from harness import UserError, reference, render, scenes
-from harness.jobs import Job, Method, digest, seed_of
+from harness.jobs import Job, Method, digest, seed_of, without_places
 from harness.motion import Motion
 
 PATH_TRACER = os.path.relpath(render.ROOT / "graphs" / "path_tracer.py")  # from any folder
@@ -82,9 +82,10 @@ class Comparison:
         self.plans = []
         self.display.start(len(settings.scenes) * len(self._all_methods()), "checked")
         for scene in settings.scenes:
+            facts = scenes.facts(self._pool, scene, settings.camera, settings.environment)
             base = Job(
                 scene=scene,
-                scene_hash=scenes.content_hash(scene, settings.environment),
+                scene_hash=facts.hash,
                 graph="",
                 description="",
                 size=settings.size,
@@ -94,12 +95,12 @@ class Comparison:
                 environment=settings.environment,
                 camera=settings.camera,
                 energy_compensation=settings.energy_compensation,
-                bounces=scenes.bounce_cap(scene, settings.bounces),
+                bounces=facts.bounces(settings.bounces),
                 motion=settings.motion,
                 at=settings.at,
             )
             jobs = [self._job(base, method, descriptions[method.graph]) for method in self._all_methods()]
-            self.plans.append(self._plan(scene, jobs, self._probe(jobs)))
+            self.plans.append(self._plan(facts, jobs, self._probe(jobs)))
         self.display.stop()
 
     def _all_methods(self):
@@ -134,10 +135,10 @@ class Comparison:
             self.cache.store(keys[job.label], found[job.label])
         return {label: result["meta"] for label, result in found.items()}
 
-    def _plan(self, scene, jobs, probes):
+    def _plan(self, facts, jobs, probes):
         """Reference jobs (by view, see _views) and method jobs of a scene, and what is to be said about them."""
         warnings, batches, settings = [], {}, self.settings
-        views = self._views(scene)
+        views = self._views(facts)
         methods = [job for job in jobs if job.label != "reference"]
         self.device.update({job.label: probes[job.label]["device"] for job in methods})
         caps = {job.label: largest_knob(probes[job.label]["knobs"], "bounces") for job in methods}
@@ -164,7 +165,7 @@ class Comparison:
                 f"{settings.reference}: the frames measured show different things; one picture cannot be "
                 "the reference of all"
             )
-        if settings.motion and settings.motion.fps and not scenes.is_animated(scene):
+        if settings.motion and settings.motion.fps and not facts.animation:
             warnings.append("the scene has no animation that --fps could play")
         if len(set(filters.values()) - {None}) > 1:
             warnings.append(
@@ -172,7 +173,7 @@ class Comparison:
             )
         knobs = {job.label: probes[job.label]["knobs"] for job in methods}
         return {
-            "scene": scene,
+            "scene": jobs[0].scene,
             "methods": methods,
             "views": views,
             "batches": batches,
@@ -180,7 +181,7 @@ class Comparison:
             "knobs": knobs,
         }
 
-    def _views(self, scene):
+    def _views(self, facts):
         """{measured frame: the first one that shows the same, whose reference it has}; {0: 0} of the mean."""
         at, motion = self.settings.at, self.settings.motion
         if not motion:
@@ -188,7 +189,7 @@ class Comparison:
         poses, first = {}, {}
         for frame in range(1, at[-1] + 1):
             step, seconds = motion.pose(frame)
-            poses[frame] = step, scenes.held_since(scene, seconds) if motion.fps else 0.0
+            poses[frame] = step, facts.held_since(seconds) if motion.fps else 0.0
             first.setdefault(poses[frame], frame)
         return {frame: first[poses[frame]] for frame in at}
 
@@ -248,9 +249,7 @@ class Comparison:
 
     def render(self, jobs):
         """Run the jobs that are not in the cache; returns how many failed, each already reported."""
-        missing = [
-            job for job in jobs if not self.cache.path(job.key).exists() or self.cache.load(job.key) is None
-        ]
+        missing = [job for job in jobs if self.cache.load(job.key) is None]
         self.display.skip(sum(cost(job) for job in jobs) - sum(cost(job) for job in missing))
         failed = 0
         for job, failure, _ in self._pool.run(
@@ -270,8 +269,8 @@ class Comparison:
 
         keys: of the reference of each measured frame.
         """
-        truth = self.cache.load(keys[-1])
-        noise = {key: reference.noise(self.cache.load(key)) for key in set(keys)} if self.settings.at else {}
+        truth = self.cache.need(keys[-1])
+        noise = {key: reference.noise(self.cache.need(key)) for key in set(keys)} if self.settings.at else {}
         results = {job.label: {} for job in jobs}
         for job in jobs:
             result = self.cache.load(job.key)
@@ -291,7 +290,7 @@ class Comparison:
             {label: [by_seed[seed] for seed in seeds] for label, by_seed in finished.items()} if seeds else {}
         )
         descriptions = {
-            job.label: with_knobs(json.loads(job.description), plan["knobs"][job.label])
+            job.label: with_knobs(json.loads(without_places(job.description)), plan["knobs"][job.label])
             for job in plan["methods"]
         }
         warnings = list(plan["warnings"])

@@ -15,9 +15,8 @@ from harness.guiding import (
     CELL,
     MEMORY,
     SAMPLE,
-    SUMS,
     VERTEX,
-    grid_of,
+    GuidedGraph,
     is_valid,
     mixture_of,
     read_table,
@@ -69,21 +68,22 @@ class Learner:
         self, scene, description, pixels, size, bounces=None, cell_size=None, raw=False, strict=True
     ):
         self._pixels, self._size, self._raw, self._strict = pixels, size, raw, strict
-        self._port = ("paths", "samples") if raw else ("reuse", "vertices")
+        self._names = names = GuidedGraph(description)
+        self._port = (names.paths, "samples") if raw else (names.reuse, "vertices")
         shown = [
             {"name": "training", "pass": self._port[0], "output": self._port[1]},
-            {"name": "normal", "pass": "gbuffer", "output": "geometric_normal"},
-            {"name": "depth", "pass": "gbuffer", "output": "depth"},
-            {"name": "material", "pass": "gbuffer", "output": "material"},
+            {"name": "normal", "pass": names.gbuffer, "output": "geometric_normal"},
+            {"name": "depth", "pass": names.gbuffer, "output": "depth"},
+            {"name": "material", "pass": names.gbuffer, "output": "material"},
         ]
         graph = {**description, "outputs": description["outputs"] + shown}
         self._renderer = restirpg.Renderer(scene, graph, size=tuple(size))
         if bounces:
             self._renderer.set_everywhere("bounces", bounces)
         if cell_size:
-            self._renderer.set("splat.cell_size", cell_size)
+            self._renderer.set(f"{names.splat}.cell_size", cell_size)
         if raw:
-            self._renderer.set("paths.alpha", 1.0)
+            self._renderer.set(f"{names.paths}.alpha", 1.0)
 
     def run(self, frames, seed=1):
         """The points, and for each a list of (directions (n, 3), weights (n,)) a frame and its last fitted
@@ -93,12 +93,12 @@ class Learner:
         renderer.cut()
         for _ in range(frames):
             renderer.render(1)
-            grid = grid_of(read_table(renderer.read_port("splat.statistics"), SUMS)[0])
+            grid = self._names.grid(renderer)
             points = points or find_points(renderer, grid, self._pixels, self._size, self._strict)
             directions, weights, keys = self._samples(grid)
             mine = [(keys == np.uint64(point.key)) & (weights > 0) for point in points]
             collected.append([(unpack_direction(directions[m]), weights[m]) for m in mine])
-        guide = read_table(renderer.read_port("fit.guide"), CELL, MEMORY)[1]
+        guide = read_table(renderer.read_port(f"{self._names.fit}.guide"), CELL, MEMORY)[1]
         mixtures = [mixture_of(guide[point.key][0]) if point.key in guide else None for point in points]
         return points, [list(samples) for samples in zip(*collected)], mixtures
 

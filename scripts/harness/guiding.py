@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from harness import UserError
+
 VERTEX = np.dtype([("position", "<u8"), ("direction", "<u4"), ("surface", "<u4")])
 SAMPLE = np.dtype(
     [("position", "<u8"), ("direction", "<u4"), ("surface", "<u4"), ("weight", "<f4"), ("distance", "<f4")]
@@ -46,9 +48,14 @@ LEARNS_ALPHA = 4  # of a header's `options`
 LOBES = 4
 
 
+def header_of(raw):
+    """The header of a buffer of the guiding grid's form."""
+    return raw[: HEADER.itemsize].view(HEADER)[0]
+
+
 def read_table(raw, *records):
     """Header and {key: one record of each kind} of a buffer of the guiding grid's form."""
-    header = raw[: HEADER.itemsize].view(HEADER)[0]
+    header = header_of(raw)
     capacity, at = int(header["capacity"]), HEADER.itemsize
     columns = []
     for dtype in (np.dtype("<u8"), *records):
@@ -94,18 +101,14 @@ def unpack_direction(bits):
 
 @dataclass
 class Grid:
-    """Keys of a frame: `camera` (3,), `scale`: largest side over distance, `origin` (3,), `smallest` side,
-    m."""
+    """Keys of a frame: `camera` (3,), `scale`: largest side over distance, `origin` (3,), `smallest` side, m,
+    `radius` of the scene, m: the grid's cube has 4 of it, from `origin` on."""
 
     camera: np.ndarray
     scale: float
     origin: np.ndarray
     smallest: float
-
-    @property
-    def radius(self):
-        """Of the scene, m: the grid's cube has 4 of it, from `origin` on."""
-        return self.smallest / 1e-3
+    radius: float
 
     def positions(self, packed):
         """Points (n, 3) of positions of 3 x 20 bits."""
@@ -146,13 +149,36 @@ def material_of(key):
     return key >> 47 & 0xFFFF
 
 
-def grid_of(header):
+def grid_of(header, smallest_cell):
+    """The Grid of a buffer's header; `smallest_cell`: the knob of the GuidingSplat, in radii."""
     return Grid(
         header["camera"].astype(float),
         float(header["scale"]),
         header["origin"].astype(float),
         float(header["smallest"]),
+        float(header["smallest"]) / smallest_cell,
     )
+
+
+def passes_of(description, *types):
+    """Names of a graph's passes of these types, the last of each; raises UserError where it has none."""
+    names = {entry["type"]: entry["name"] for entry in description["passes"]}
+    if missing := [kind for kind in types if kind not in names]:
+        raise UserError(f"graph '{description.get('name')}': it has no pass of type {', '.join(missing)}")
+    return [names[kind] for kind in types]
+
+
+class GuidedGraph:
+    """Names of the passes by which a graph's description guides."""
+
+    def __init__(self, description):
+        types = ("GBuffer", "PathTracerGuided", "ReSTIRReuse", "GuidingSplat", "GuidingFit")
+        self.gbuffer, self.paths, self.reuse, self.splat, self.fit = passes_of(description, *types)
+
+    def grid(self, renderer):
+        """The Grid of the renderer's last frame."""
+        header = header_of(renderer.read_port(f"{self.splat}.statistics"))
+        return grid_of(header, renderer.get(f"{self.splat}.smallest_cell"))
 
 
 @dataclass

@@ -1,16 +1,12 @@
 """What is rendered: methods, jobs named by a hash of their content, and the folder that keeps finished
 jobs."""
 
+import functools
 import hashlib
-import inspect
 import json
-import os
-import zipfile
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-
-import numpy as np
 
 from harness import UserError
 from harness.motion import Motion
@@ -58,7 +54,7 @@ def knob_value(text):
     """The value of a knob written on a command line: a JSON number or boolean, else the text itself."""
     try:
         value = json.loads(text)
-    except json.JSONDecodeError:
+    except (ValueError, RecursionError):
         return text
     return value if isinstance(value, (bool, int, float)) else text
 
@@ -69,8 +65,8 @@ class Job:
 
     scene: str  # file
     scene_hash: str
-    graph: str  # file
-    description: str  # the graph as canonical JSON, places left out
+    graph: str  # file that was evaluated; a run reads the description alone
+    description: str  # the graph as canonical JSON
     size: tuple  # width, height
     frames: int
     seed: int
@@ -93,7 +89,7 @@ class Job:
 
     @property
     def key(self):
-        """32 hexadecimal digits of the job's content; file names and labels are not part of it.
+        """32 hexadecimal digits of the job's content; file names, places and labels are not part of it.
 
         Nor are LATER_FIELDS that are not used: results from before they could be asked for stay valid.
         """
@@ -102,6 +98,7 @@ class Job:
             for name, value in asdict(self).items()
             if name not in ("scene", "graph", "label") and (name not in LATER_FIELDS or value)
         }
+        content["description"] = without_places(self.description)
         return digest(json.dumps(content, sort_keys=True).encode())
 
     def frames_measured(self):
@@ -122,9 +119,9 @@ class Job:
 
 @dataclass(frozen=True)
 class Call:
-    """A measurement that is no run of a method: function(scene, **settings) in a worker.
+    """A measurement that is no run of a method: function(scene, **settings) in a worker, with the loaded scene.
 
-    Its result, arrays and a JSON-able `meta`, is kept as a run's is.
+    Its result, arrays and a JSON-able `meta`, is kept as a run's is. The function's file is one of render.MEASURING.
     """
 
     function: Callable  # of a module, so that any worker can import it
@@ -133,18 +130,26 @@ class Call:
     settings: tuple  # ((name, value), ...): whatever else the result depends on
     code: str  # hash of the renderer's own files
     label: str = field(default="", compare=False)  # for messages
+    camera, environment = 0, None  # the scene's own
 
     @property
     def key(self):
-        """32 hexadecimal digits of the call's content, the function's own file included."""
+        """32 hexadecimal digits of the call's content."""
         function = f"{self.function.__module__}.{self.function.__qualname__}"
-        source = digest(Path(inspect.getsourcefile(self.function)).read_bytes())
-        content = [function, source, self.scene_hash, self.settings, self.code]
+        content = [function, self.scene_hash, self.settings, self.code]
         return digest(json.dumps(content).encode())
 
-    def run(self):
-        """The function's result."""
-        return self.function(self.scene, **dict(self.settings))
+
+@functools.lru_cache(maxsize=256)
+def without_places(description):
+    """A graph's description, as JSON, without the files and lines that wrote it."""
+
+    def strip(value):
+        if isinstance(value, dict):
+            return {key: strip(item) for key, item in value.items() if key not in ("file", "line")}
+        return [strip(item) for item in value] if isinstance(value, list) else value
+
+    return json.dumps(strip(json.loads(description)), sort_keys=True)
 
 
 def seed_of(*parts):
@@ -155,42 +160,3 @@ def seed_of(*parts):
 def digest(data):
     """The first 32 hexadecimal digits of the SHA-256 of bytes."""
     return hashlib.sha256(data).hexdigest()[:32]
-
-
-class Cache:
-    """Finished jobs, one .npz file each, named by the job's key. A file is there whole or not at all."""
-
-    def __init__(self, folder):
-        self.folder = Path(folder)
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise UserError(
-                f"{folder}: cannot make the cache folder: {error.strerror}; choose one with --cache"
-            ) from None
-
-    def path(self, key):
-        """Where the result `key` lies or will lie."""
-        return self.folder / f"{key}.npz"
-
-    def load(self, key):
-        """The result as a dictionary (arrays, and `meta` from JSON), or None when it is absent or damaged."""
-        try:
-            with np.load(self.path(key), allow_pickle=False) as file:
-                result = {name: file[name] for name in file.files}
-            result["meta"] = json.loads(str(result["meta"]))
-            return result
-        except FileNotFoundError:
-            return None
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-            return None  # damaged: rendered again
-
-    def store(self, key, result):
-        """Keep `result`: arrays and a JSON-able `meta`. Written under a temporary name, flushed, renamed."""
-        arrays = {**result, "meta": np.array(json.dumps(result["meta"]))}
-        temporary = self.folder / f".{key}.{os.getpid()}"
-        with open(temporary, "wb") as file:
-            np.savez(file, **arrays)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, self.path(key))

@@ -1,39 +1,63 @@
 """What the harness's programs share: arguments of the command line, and how each ends."""
 
 import argparse
+import contextlib
+import os
+import signal
 import sys
+import tempfile
+from pathlib import Path
 
-from harness import UserError
+from harness import UserError, files
+from harness.cache import Cache
 from harness.display import Display
+from harness.workers import one_line, open_pool
+
+LARGEST = 10**6  # of counts on a command line: plans are made of each frame and run
+ENDING = (signal.SIGINT, signal.SIGTERM)
 
 
 def size(text):
     """`WxH` in pixels."""
     width, _, height = text.partition("x")
-    if not (width.isdigit() and height.isdigit() and 8 <= int(width) <= 16384 and 8 <= int(height) <= 16384):
+    number = text.isascii() and len(text) < 12 and width.isdigit() and height.isdigit()
+    if not (number and 8 <= int(width) <= 16384 and 8 <= int(height) <= 16384):
         raise argparse.ArgumentTypeError(f"'{text}' is not WIDTHxHEIGHT of at least 8x8, as in 160x90")
     return int(width), int(height)
 
 
-def positive(text):
-    """A whole number of at least 1."""
-    if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least 1")
-    return int(text)
+def whole(least):
+    """The type of whole numbers from `least` on."""
+
+    def number(text):
+        if not (text.isascii() and text.isdigit() and len(text) < 8 and least <= int(text) <= LARGEST):
+            raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least {least} and at most {LARGEST}")
+        return int(text)
+
+    return number
 
 
-def bounces(text):
-    """A bounce cap: a whole number from 0 on, which is direct light alone."""
-    if not text.isdigit():
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least 0")
-    return int(text)
+positive = whole(1)
+bounces = whole(0)  # a cap of 0 is direct light alone
+
+
+def length(text):
+    """A positive number."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = 0.0
+    if not 0 < number < float("inf"):
+        raise argparse.ArgumentTypeError(f"'{text}' is no positive number")
+    return number
 
 
 def frame_numbers(text):
     """`K,K,...`, ascending, counted from 1."""
     parts = text.split(",")
-    numbers = tuple(int(part) for part in parts if part.isdigit())
-    if len(numbers) != len(parts) or numbers != tuple(sorted(set(numbers))) or numbers[0] < 1:
+    numbers = tuple(int(part) for part in parts if part.isascii() and part.isdigit() and len(part) < 8)
+    ascend = numbers == tuple(sorted(set(numbers)))
+    if len(numbers) != len(parts) or not ascend or numbers[0] < 1 or numbers[-1] > LARGEST:
         raise argparse.ArgumentTypeError(f"'{text}' is no ascending list of frames from 1 on, as in 1,8,16")
     return numbers
 
@@ -56,20 +80,64 @@ def add_runner(parser, out):
     parser.add_argument("--cache", help="folder of finished runs (OUT/cache)")
 
 
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C, or SIGTERM. Its argument: what is kept."""
+
+    signal = signal.SIGINT
+
+
+def _interrupt(number, _):
+    for ended in ENDING:  # a second one must not interrupt the ending
+        signal.signal(ended, signal.SIG_IGN)
+    error = Interrupted("nothing was kept")
+    error.signal = number
+    raise error
+
+
+@contextlib.contextmanager
+def runner(options, display, count=None):
+    """The cache and the pool that the command line asks for, `count` processes or those of --jobs."""
+    with contextlib.ExitStack() as stack:
+        folder = Path(options.cache or Path(options.out) / "cache")
+        kept = f"are kept in {folder}: the same command goes on from here"
+        try:
+            files.make_folder(folder, "--cache")
+        except UserError as error:
+            if options.scheduler:  # whose workers may see no other
+                raise
+            folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="restirpg-")))
+            kept = "are not kept"
+            display.message(f"{error}; going on without it: finished runs will not be kept")
+        cache = Cache(folder, display.message)
+        pool = stack.enter_context(open_pool(cache.folder, count or options.jobs, options.scheduler))
+        try:
+            yield cache, pool
+        except Interrupted as error:
+            error.args = (f"its {pool.finished} finished runs {kept}",)
+            raise
+
+
 def run(name, body):
-    """body(display)'s exit code; 2 and one line for a user's mistake, 130 after Ctrl-C."""
+    """body(display)'s exit code; 2 and one line for a user's mistake; 130 after Ctrl-C and 143 after SIGTERM."""
     display = Display()
+    for ending in ENDING:
+        if signal.getsignal(ending) != signal.SIG_IGN:
+            signal.signal(ending, _interrupt)
     try:
         return body(display)
     except UserError as error:
         display.stop()
-        print(f"{name}: {error}", file=sys.stderr)
+        print(f"{name}: {one_line(error)}", file=sys.stderr)
         return 2
-    except OSError as error:
+    except BrokenPipeError:  # who read what is printed has ended
         display.stop()
-        print(f"{name}: {error}; choose another folder with --out", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 2
-    except KeyboardInterrupt:
+    except (OSError, MemoryError) as error:
         display.stop()
-        print("\ninterrupted; finished runs are kept: the same command goes on from here", file=sys.stderr)
-        return 130
+        print(f"{name}: {one_line(error)}", file=sys.stderr)
+        return 2
+    except Interrupted as error:
+        display.stop()
+        print(f"\n{name}: interrupted by {signal.Signals(error.signal).name}; {error}", file=sys.stderr)
+        return 128 + error.signal

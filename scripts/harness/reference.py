@@ -22,7 +22,7 @@ def combine(cache, jobs):
     mean, squares, luminance_squares, means, blocks = 0.0, 0.0, 0.0, [], []
     sums = dict.fromkeys(("wall_ms", "invalid", "dropped"), 0)
     for number, job in enumerate(jobs, 1):  # Welford: one batch in memory at a time
-        batch = cache.load(job.key)
+        batch = cache.need(job.key)
         image = np.nan_to_num(batch["image"].astype(float), nan=0, posinf=0, neginf=0)
         step = image - mean
         mean = mean + step / number

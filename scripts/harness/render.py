@@ -4,14 +4,13 @@ import contextlib
 import functools
 import json
 import os
-import subprocess
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from harness import UserError
+from harness import Halt, UserError
 from harness.jobs import digest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -56,51 +55,56 @@ def package_folder():
 
 
 #: Of the harness, what a run's or call's result depends on.
-MEASURING = ("cell_counts.py", "guide_maps.py", "guiding.py", "measure.py", "motion.py", "render.py")
+MEASURING = ("cell_counts.py", "guide_maps.py", "guiding.py", "measure.py", "motion.py", "paper/figure_4.py", "render.py")
+#: Environment variables that results depend on: whence shaders and passes are taken, and what slows a frame.
+#: RESTIRPG_PYTHON and RESTIRPG_BUILD decide what a graph's description and the package are, which count themselves;
+#: RESTIRPG_CACHE_DIR holds compiled kernels, named by their content.
+VARIABLES = ("RESTIRPG_SHADERS", "RESTIRPG_PLUGIN_PATH", "RESTIRPG_VALIDATION")
+CODE = {".so", ".py", ".glsl", ".comp", ".h"}
+
+
+def _code_files():
+    """(name that does not depend on where the clone lies, file) of all code that results depend on."""
+    import restirpg
+
+    paths = [package_folder(), *map(Path, restirpg.code_paths())]
+    for number, path in enumerate(paths):
+        if path.is_file():
+            yield f"{number}", path
+        else:
+            found = (file for file in path.rglob("*") if file.suffix in CODE and file.is_file())
+            yield from ((f"{number}/{file.relative_to(path)}", file) for file in sorted(found))
+    yield from ((name, Path(__file__).parent / name) for name in MEASURING)
+
+
+@functools.lru_cache(maxsize=1)
+def _code_version(found, validation):
+    contents = [(name, digest(Path(file).read_bytes())) for name, file, *_ in found]
+    return digest(json.dumps([contents, validation]).encode())
 
 
 def code_version():
-    """Hash of what results depend on, plugins and shaders among it: those of other code are not reused."""
-    package = package_folder()
-    folders = [
-        package,
-        package.parents[1] / "lib",
-        ROOT / "framework" / "shaders",
-        ROOT / "passes",
-        *filter(None, os.environ.get("RESTIRPG_PLUGIN_PATH", "").split(":")),
-    ]
-    kinds = {".so", ".py", ".glsl", ".comp", ".h"}
-    files = {
-        file.resolve()
-        for folder in folders
-        for file in Path(folder).rglob("*")
-        if file.suffix in kinds and file.is_file()
-    } | {Path(__file__).with_name(name) for name in MEASURING}
-    return digest("".join(sorted(digest(file.read_bytes()) for file in files)).encode())
+    """Hash of what results depend on, plugins and shaders among it: those of other code are not reused.
+
+    Files are read again when they have changed.
+    """
+    stats = ((name, file, file.stat()) for name, file in _code_files())
+    found = tuple((name, str(file), stat.st_mtime_ns, stat.st_size, stat.st_ino) for name, file, stat in stats)
+    return _code_version(found, os.environ.get("RESTIRPG_VALIDATION", "0") not in ("", "0"))
+
+
+def check_code(code):
+    """Raise Halt unless the renderer's files are still those of that code_version()."""
+    if code != code_version():
+        raise Halt("the renderer's own files have changed since the start; start the same command again")
 
 
 def describe_graph(file):
-    """The graph file's description as a dictionary, without the places of its lines."""
-    if file.endswith(".json"):
-        try:
-            description = json.loads(Path(file).read_text())
-        except ValueError as error:
-            raise UserError(f"{file}: not JSON: {error}") from None
-    else:
-        environment = {**os.environ, "PYTHONPATH": str(package_folder().parent)}
-        run = subprocess.run(
-            [sys.executable, "-m", "restirpg.evaluate", file], capture_output=True, text=True, env=environment
-        )
-        if run.returncode != 0:
-            raise UserError(run.stderr.strip() or f"{file}: the graph file cannot be evaluated")
-        description = json.loads(run.stdout)
+    """The graph file's description as a dictionary."""
+    import restirpg
 
-    def without_places(value):
-        if isinstance(value, dict):
-            return {key: without_places(item) for key, item in value.items() if key not in ("file", "line")}
-        return [without_places(item) for item in value] if isinstance(value, list) else value
-
-    return without_places(description)
+    with refusals():
+        return restirpg.load_graph(file).description
 
 
 def is_running_mean(description, output):
@@ -113,12 +117,33 @@ def is_running_mean(description, output):
     )
 
 
-@functools.lru_cache(maxsize=1)
-def _scene(file, scene_hash, camera, environment):
-    """The loaded scene; `scene_hash` tells a file that has changed since."""
+_loaded = {}  # the scene that was loaded last: {(file, camera, environment): (hash, restirpg.Scene)}
+
+
+def load_scene(job):
+    """(hash, scene) of a Job or Call. Raises Halt when its files are not those that its `scene_hash`, if any, names."""
+    place = (job.scene, job.camera, job.environment)
+    if place not in _loaded or _loaded[place][0] != job.scene_hash:
+        _loaded.clear()
+        _loaded[place] = _load_scene(*place)
+    found = _loaded[place]
+    if job.scene_hash and found[0] != job.scene_hash:
+        raise Halt(f"{job.scene}: the scene has changed since the start; start the same command again")
+    return found
+
+
+def _load_scene(file, camera, environment):
     import restirpg
 
-    return restirpg.load_scene(file, camera=camera, environment=environment)
+    def content():
+        path = Path(environment or "")
+        return path.read_bytes() if path.is_file() else b""
+
+    before = content()
+    scene = restirpg.load_scene(file, camera=camera, environment=environment)
+    if content() != before:
+        raise Halt(f"{environment}: the environment has changed while it was read; start the same command again")
+    return digest(scene.hash.encode() + before), scene
 
 
 def make_renderer(job):
@@ -126,8 +151,8 @@ def make_renderer(job):
     import restirpg
 
     renderer = restirpg.Renderer(
-        _scene(job.scene, job.scene_hash, job.camera, job.environment),
-        restirpg.load_graph(job.graph),
+        load_scene(job)[1],
+        json.loads(job.description),
         size=tuple(job.size),
         seed=job.seed,
         device=job.device,
@@ -246,4 +271,5 @@ def write_exr(file, layers, attributes):
     """Write float arrays (H, W, 3) by layer name ("" is the plain R, G, B) with text attributes."""
     import restirpg
 
-    restirpg.write_exr(str(file), layers, half=False, attributes=attributes)
+    with refusals():
+        restirpg.write_exr(str(file), layers, half=False, attributes=attributes)

@@ -4,7 +4,6 @@ import base64
 import datetime
 import difflib
 import json
-import os
 import shlex
 import subprocess
 import sys
@@ -13,7 +12,7 @@ from pathlib import Path
 import jinja2
 import numpy as np
 
-from harness import plots, render, tables
+from harness import files, plots, render, tables
 from harness import statistics as st
 
 FOLDER = Path(__file__).resolve().parent
@@ -104,7 +103,10 @@ def commit():
     """The repository's commit, with "+ changes" when the working tree differs from it."""
 
     def git(*arguments):
-        run = subprocess.run(["git", "-C", str(render.ROOT), *arguments], capture_output=True, text=True)
+        try:
+            run = subprocess.run(["git", "-C", str(render.ROOT), *arguments], capture_output=True, text=True)
+        except OSError:  # git is not installed
+            return ""
         return run.stdout.strip() if run.returncode == 0 else ""
 
     name = git("rev-parse", "--short=12", "HEAD")
@@ -210,13 +212,6 @@ def scene_views(findings):
     }
 
 
-def write_text(file, text):
-    """Write a file whole or not at all."""
-    temporary = Path(file).with_name(f".{Path(file).name}.{os.getpid()}")
-    temporary.write_text(text)
-    os.replace(temporary, file)
-
-
 def write(findings, settings, comparison, file):
     """Write the report of `findings` to `file`."""
     scenes, shared = scene_views(findings)
@@ -227,12 +222,12 @@ def write(findings, settings, comparison, file):
         provenance=_provenance(settings, comparison),
         **shared,
     )
-    write_text(file, text)
+    files.write(file, text)
 
 
 def write_pictures(findings, folder):
     """Write SCENE.METHOD.exr, references too: the first seed's picture, and the seeds' mean as a layer."""
-    folder.mkdir(parents=True, exist_ok=True)
+    files.make_folder(folder, "--out")
     for scene in findings:
         stem = Path(scene.scene).stem
         render.write_exr(

@@ -37,7 +37,7 @@ class _Everything:
 
 def run(options, cache, pool, display):
     """Print the findings. Returns the exit code: 0 when both properties hold, 1 when not."""
-    base = _base_job(options)
+    base = _base_job(options, pool)
     comparison = Comparison(_Everything, cache, pool, display)
     batches = [
         replace(
@@ -67,12 +67,13 @@ def run(options, cache, pool, display):
     return 0 if len(false) <= ALLOWED * options.trials and found == GAIN_TRIALS else 1
 
 
-def _base_job(options):
+def _base_job(options, pool):
     method = parse_method(options.methods[0]) if options.methods else Method("", options.reference_graph)
     scene = options.scenes[0]
+    facts = scenes.facts(pool, scene)
     return Job(
         scene=scene,
-        scene_hash=scenes.content_hash(scene),
+        scene_hash=facts.hash,
         graph=method.graph,
         description=json.dumps(render.describe_graph(method.graph), sort_keys=True),
         knobs=method.knobs,
@@ -83,7 +84,7 @@ def _base_job(options):
         output=method.output,
         device=method.device,
         backend=method.backend,
-        bounces=scenes.bounce_cap(scene, options.bounces),
+        bounces=facts.bounces(options.bounces),
     )
 
 
@@ -97,7 +98,7 @@ def _run(base, options, *parts):
 def _render(comparison, jobs):
     if comparison.render(jobs):
         raise UserError(f"the self-test needs every run: {comparison.failures[0]}")
-    return [comparison.cache.load(job.key) for job in jobs]
+    return [comparison.cache.need(job.key) for job in jobs]
 
 
 def _false_alarms(truth, results, trials):

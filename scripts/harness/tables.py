@@ -3,13 +3,13 @@
 import csv
 import io
 import math
-import os
 from pathlib import Path
 
 import rich.box
 from rich.console import Console
 from rich.table import Table
 
+from harness import files
 from harness import statistics as st
 from harness.analysis import METRICS, SETTLED
 
@@ -224,12 +224,11 @@ def as_text(findings, width=None):
 
 
 def _write(path, header, rows):
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    with open(temporary, "w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(header)
-        writer.writerows(rows)
-    os.replace(temporary, path)
+    stream = io.StringIO(newline="")
+    writer = csv.writer(stream)
+    writer.writerow(header)
+    writer.writerows(rows)
+    files.write(path, stream.getvalue())
 
 
 def write_csv(findings, folder):

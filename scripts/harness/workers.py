@@ -10,8 +10,8 @@ import traceback
 from multiprocessing.connection import wait
 from pathlib import Path
 
-from harness import measure, render
-from harness.jobs import Cache
+from harness import Halt, measure, render, scenes
+from harness.cache import Cache
 
 _context = multiprocessing.get_context("spawn")  # a fork would inherit the parent's threads and GPU state
 
@@ -25,13 +25,23 @@ class Worker:
 
     def do(self, kind, job, tick=lambda frames: None):
         """Do a task, see Pool.run: its answer is returned, its result kept in the cache."""
+        if kind == "scene":
+            return scenes.facts_of(*render.load_scene(job))
         if kind == "probe":
-            return self._renderers.probe(job)
-        self._cache.store(job.key, job.run() if kind == "call" else self._run(job, tick))
+            answer = self._renderers.probe(job)
+            render.check_code(job.code)
+            return answer
+        result = self._call(job) if kind == "call" else self._run(job, tick)
+        render.check_code(job.code)  # a kernel compiled, or a plugin loaded, under way may have been of other code
+        self._cache.store(job.key, result)
+
+    @staticmethod
+    def _call(call):
+        return call.function(render.load_scene(call)[1], **dict(call.settings))
 
     def _run(self, job, tick):
         try:
-            result = measure.run(job, self._cache.load, tick, self._renderers)
+            result = measure.run(job, self._cache.need, tick, self._renderers)
         except Exception:
             self._renderers.forget()
             raise
@@ -49,7 +59,8 @@ class Worker:
 
 def one_line(error):
     """An exception as a line for the user."""
-    return " ".join(str(error).split()) or type(error).__name__
+    text = " ".join(str(error).split()) or type(error).__name__
+    return "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in text)
 
 
 def _serve(connection, folder, at_a_time, log):
@@ -70,6 +81,8 @@ def _serve(connection, folder, at_a_time, log):
                 connection.send(("done", answer))
             except (BrokenPipeError, EOFError):
                 raise
+            except Halt as error:
+                connection.send(("halt", one_line(error)))
             except Exception as error:
                 traceback.print_exc()
                 connection.send(("failed", one_line(error)))
@@ -124,22 +137,23 @@ class Pool:
     """Up to `count` workers, started when first needed and kept between calls of `run`."""
 
     def __init__(self, folder, count):
+        self.finished = 0  # runs and calls that are in the cache now
         self._folder = folder
-        self._idle = []
+        self._workers, self._idle, self._started = [], [], 0
         self._count = count
-        self._started = 0
 
     def __enter__(self):
         return self
 
     def __exit__(self, *exception):
-        for worker in self._idle:
+        for worker in self._workers:
             worker.stop()
-        self._idle = []
+        self._workers, self._idle = [], []
 
     def run(self, jobs, kind="run", on_tick=lambda job, frames: None):
         """Run the jobs in order; yields (job, failure, answer) as they end: failure is a line of text or
-        None. `kind`: "run" or "probe" of Jobs, "call" of Calls; results of runs and calls are in the cache.
+        None. `kind`: "run", "probe" or "scene" of Jobs, "call" of Calls; results of runs and calls are in the
+        cache. Raises Halt when no further run could do better.
         """
         waiting, busy = list(jobs), {}
         try:
@@ -155,18 +169,23 @@ class Pool:
                     try:
                         event, answer = connection.recv()
                     except (EOFError, ConnectionResetError):
-                        del busy[connection]
+                        self._workers.remove(busy.pop(connection))
                         yield worker.job, worker.cause_of_death(), None
                         continue
                     if event == "tick":
                         on_tick(worker.job, answer)
                         continue
+                    if event == "halt":
+                        raise Halt(answer)
                     self._idle.append(busy.pop(connection))
+                    self.finished += event == "done" and kind in ("run", "call")
                     yield worker.job, answer if event == "failed" else None, answer
         finally:
             for worker in busy.values():
+                self._workers.remove(worker)
                 worker.stop()
 
     def _start(self):
         self._started += 1
-        return _Process(self._folder, self._count, self._started)
+        self._workers.append(_Process(self._folder, self._count, self._started))
+        return self._workers[-1]

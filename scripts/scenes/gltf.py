@@ -12,7 +12,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from .images import encode_hdr, encode_png, write_atomically
+from harness import files
+
+from .images import encode_hdr, encode_png
 
 FLOAT, UINT16, UINT32 = 5126, 5123, 5125
 VERTEX_BUFFER, INDEX_BUFFER = 34962, 34963
@@ -317,7 +319,7 @@ class SceneFile:
     def write(self, folder):
         """Write NAME.glb, and NAME.hdr where the environment is an image. Returns the .glb's path."""
         if self.environment is not None and np.ndim(self.environment) == 3:
-            write_atomically(folder / f"{self.name}.hdr", encode_hdr(self.environment))
+            files.write(folder / f"{self.name}.hdr", encode_hdr(self.environment))
         path = folder / f"{self.name}.glb"
-        write_atomically(path, self.encode())
+        files.write(path, self.encode())
         return path

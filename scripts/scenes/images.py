@@ -1,8 +1,6 @@
 """Image files without a library: PNG (8-bit) and Radiance .hdr (RGBE), the same bytes on every run."""
 
-import os
 import struct
-import tempfile
 import zlib
 
 import numpy as np
@@ -45,16 +43,3 @@ def encode_hdr(radiance):
                 literals = row[start:start + 128, channel].tobytes()
                 body += bytes((len(literals),)) + literals
     return f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode() + bytes(body)
-
-
-def write_atomically(path, data):
-    """Write bytes to `path` through a temporary file beside it, so that no half-written file is ever seen."""
-    handle, temporary = tempfile.mkstemp(dir=os.path.dirname(path) or ".", prefix=".scene-")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise

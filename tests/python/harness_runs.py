@@ -1,9 +1,12 @@
 """Runs of scripts/compare.py on the fake renderer, in processes of their own."""
 
+import contextlib
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -59,6 +62,28 @@ def compare(folder, *methods, **options):
     return subprocess.run(
         arguments(folder, *methods, **options), cwd=folder, env=ENVIRONMENT, capture_output=True, text=True
     )
+
+
+#: A comparison of about a second, and its options.
+SLOW = ["plain.json@sleep=0.02", "plain.json@noise=0.5,sleep=0.02,label=quiet"]
+SLOW_OPTIONS = {"reference_frames": 64, "reference_batches": 4}
+
+
+@contextlib.contextmanager
+def under_way(folder, *methods, kept=8, environment=(), **options):
+    """A comparison's process, when so many results are kept and its runs are being rendered. It has a group of its own."""
+    command = arguments(folder, *methods, **{**SLOW_OPTIONS, **options})
+    process = subprocess.Popen(command, cwd=folder, env={**ENVIRONMENT, **dict(environment)}, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True, start_new_session=True)
+    try:
+        while len(list((folder / "out/cache").glob("*.npz"))) < kept:
+            assert process.poll() is None, f"it ended too soon: {process.communicate()}"
+            time.sleep(0.02)
+        yield process
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
 
 
 def tables(folder, out="out"):

@@ -68,17 +68,19 @@ def frame_graph(**accumulate):
     return graph
 
 
-def write_flying_panel(file):
-    """A glTF whose one panel, of emission 1, fills the view at 0 s and is 100 m aside from 1 s on."""
-    positions = [-9, -9, 0, 9, -9, 0, 9, 9, 0, -9, 9, 0]
-    data = struct.pack("<12f6H2f6f", *positions, 0, 1, 2, 0, 2, 3, 0, 1, 0, 0, 0, 100, 0, 0)
-    ranges = [(0, 48), (48, 12), (60, 8), (68, 24)]  # positions, indices, key times, key translations
+def write_flying_panel(file, times=(0, 1), interpolation="LINEAR"):
+    """A glTF whose one panel, of emission 1, fills the view until the first of `times`, s, and is 100 m aside from the
+    last on. Its key times have no "min" and "max"."""
+    positions, count = [-9, -9, 0, 9, -9, 0, 9, 9, 0, -9, 9, 0], len(times)
+    data = struct.pack("<12f6H", *positions, 0, 1, 2, 0, 2, 3)
+    data += struct.pack(f"<{4 * count}f", *times, *[0] * 3 * (count - 1), 100, 0, 0)
+    ranges = [(0, 48), (48, 12), (60, 4 * count), (60 + 4 * count, 12 * count)]  # positions, indices, times, translations
     views = [{"buffer": 0, "byteOffset": offset, "byteLength": length} for offset, length in ranges]
     accessors = [
         {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-9, -9, 0], "max": [9, 9, 0]},
         {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"},
-        {"bufferView": 2, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
-        {"bufferView": 3, "componentType": 5126, "count": 2, "type": "VEC3"}]
+        {"bufferView": 2, "componentType": 5126, "count": count, "type": "SCALAR"},
+        {"bufferView": 3, "componentType": 5126, "count": count, "type": "VEC3"}]
     uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
     file.write_text(json.dumps({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
@@ -86,7 +88,7 @@ def write_flying_panel(file):
         "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
         "materials": [{"emissiveFactor": [1, 1, 1]}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
-        "animations": [{"samplers": [{"input": 2, "output": 3}],
+        "animations": [{"samplers": [{"input": 2, "output": 3, "interpolation": interpolation}],
                         "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}],
         "buffers": [{"uri": uri, "byteLength": len(data)}], "bufferViews": views, "accessors": accessors}))
     return file

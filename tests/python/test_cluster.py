@@ -49,7 +49,7 @@ def scheduler(tmp_path_factory):
     file = folder / "scheduler.json"
     process = start(folder, "dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file",
                     str(file))
-    while not file.exists():
+    while not (file.exists() and file.read_text().endswith("}")):
         assert process.poll() is None, (folder / "dask_scheduler.log").read_text()
         time.sleep(0.05)
     yield json.loads(file.read_text())["address"]

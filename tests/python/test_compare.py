@@ -4,14 +4,13 @@ mistakes."""
 import csv
 import importlib.util
 import json
-import os
-import signal
 import subprocess
-import time
+import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from harness_runs import ENVIRONMENT, ROOT, arguments, compare, tables, write_graph
+from harness_runs import ENVIRONMENT, ROOT, arguments, compare, write_graph
 
 from harness import render, selftest, statistics
 from harness.jobs import Job, parse_method, seed_of
@@ -108,46 +107,6 @@ def test_a_second_start_renders_nothing_and_prints_the_same(finished):
     assert again.stdout.split("out/report.html")[0] == first.stdout.split("out/report.html")[0]
 
 
-def interrupted(folder, sent, out):
-    """Start a comparison, send it a signal when a few runs are kept, return its exit code."""
-    process = subprocess.Popen(
-        arguments(folder, *SLOW, out=out, **SLOW_OPTIONS),
-        cwd=folder,
-        env=ENVIRONMENT,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-    while len(list((folder / out / "cache").glob("*.npz"))) < 8:
-        assert process.poll() is None, "it ended before it could be interrupted"
-        time.sleep(0.02)
-    os.killpg(process.pid, sent) if sent == signal.SIGINT else process.send_signal(sent)
-    return process.wait(30)
-
-
-SLOW = ["plain.json@sleep=0.02", "plain.json@noise=0.5,sleep=0.02,label=quiet"]
-SLOW_OPTIONS = {"reference_frames": 64, "reference_batches": 4}
-
-
-@pytest.mark.parametrize("sent, code", [(signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 130)])
-def test_an_interrupted_comparison_goes_on_to_the_same_tables(tmp_path, sent, code):
-    assert compare(tmp_path, *SLOW, out="whole", **SLOW_OPTIONS).returncode == 0
-    assert interrupted(tmp_path, sent, "cut") == code
-    kept = {path.name for path in (tmp_path / "cut/cache").glob("*.npz")}
-    assert compare(tmp_path, *SLOW, out="cut", **SLOW_OPTIONS).returncode == 0
-    assert kept < {path.name for path in (tmp_path / "cut/cache").glob("*.npz")}
-    assert tables(tmp_path, "cut") == tables(tmp_path, "whole")
-
-
-def test_a_damaged_result_is_rendered_again(tmp_path):
-    assert compare(tmp_path).returncode == 0
-    before = tables(tmp_path)
-    for path in (tmp_path / "out/cache").glob("*.npz"):
-        path.write_bytes(path.read_bytes()[:-100])
-    assert compare(tmp_path).returncode == 0
-    assert tables(tmp_path) == before
-
-
 @pytest.mark.parametrize("knob, words", [("crash_seed", "SIGSEGV"), ("fail_seed", "the device was lost")])
 def test_a_failed_run_is_reported_and_the_rest_goes_on(tmp_path, knob, words):
     run = compare(tmp_path, "plain.json", f"plain.json@{knob}={seed_of(0, 'run', 2)},label=bad")
@@ -211,12 +170,21 @@ def test_a_picture_can_be_the_reference(tmp_path):
         (["plain.json"], {"scenes": ["scene.gltf", "again/scene.gltf"]}, "two scenes would be called 'scene'"),
         (["plain.json"], {"scenes": ["scene.gltf", "broken.glb"], "reference": "x.exr"}, "reference of 2 scenes"),
         (["bad.json"], {}, "bad.json: not JSON"),
-        (["plain.json"], {"out": "plain.json"}, "choose"),
+        (["plain.json"], {"out": "plain.json"}, "plain.json: cannot be written to: not a folder; choose another folder with"),
+        (["plain.json"], {"camera": -1}, "'-1' is not a whole number of at least 0"),
+        (["plain.json"], {"seeds": 10**12}, "at most 1000000"),
+        (["plain.json"], {"at": "1,99999999999"}, "no ascending list"),
+        (["plain.json@noise=" + 9999 * "["], {}, "noise"),
+        (["plain.json@noise=" + 9999 * "9"], {}, "noise"),
+        (["deep.json"], {}, "deep.json: not JSON"),
+        (["plain.json"], {"scenes": "."}, "no such scene"),
+        (["plain.json"], {"scheduler": "nowhere"}, "nowhere"),
     ],
 )
 def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, methods, options, words):
     (tmp_path / "broken.glb").touch()
     (tmp_path / "bad.json").write_text("{")
+    (tmp_path / "deep.json").write_text(10**5 * "[")
     run = compare(tmp_path, *methods, **options)
     assert run.returncode == 2
     lines = [line for line in run.stderr.splitlines() if not line.startswith(("usage:", " "))]
@@ -317,18 +285,23 @@ def test_the_self_test_fails_when_equal_methods_differ(tmp_path, monkeypatch):
 
 
 def test_the_code_s_hash_is_that_of_its_files_wherever_they_lie(tmp_path, monkeypatch):
-    """Clone and build change places in the order of paths; a shader that changes is other code."""
+    """A clone and its copy are alike; a shader that changes, or changes its name, is other code."""
 
-    def version(clone, build):
-        monkeypatch.setattr(render, "ROOT", tmp_path / clone)
-        monkeypatch.setattr(render, "package_folder", lambda: tmp_path / build / "python" / "restirpg")
-        files = {f"{clone}/framework/shaders/a.glsl": "a", f"{build}/python/restirpg/b.so": "b"}
-        for name, text in files.items():
-            (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-            (tmp_path / name).write_text(text)
+    def version(clone):
+        folder = tmp_path / clone
+        module = SimpleNamespace(__file__=str(folder / "restirpg/__init__.py"), code_paths=lambda: [folder / "shaders"])
+        monkeypatch.setitem(sys.modules, "restirpg", module)
         return render.code_version()
 
-    first = version("1", "2")
-    assert version("4", "3") == first
-    (tmp_path / "4/framework/shaders/a.glsl").write_text("c")
-    assert render.code_version() != first
+    for clone in ("1", "2"):
+        for name in ("restirpg/b.so", "shaders/a.glsl"):
+            (tmp_path / clone / name).parent.mkdir(parents=True)
+            (tmp_path / clone / name).write_text(name)
+    first = version("1")
+    assert version("2") == first
+    (tmp_path / "2/shaders/a.glsl").rename(tmp_path / "2/shaders/b.glsl")
+    assert version("2") != first
+    (tmp_path / "1/shaders/a.glsl").write_text("another")
+    assert version("1") != first
+    monkeypatch.setenv("RESTIRPG_VALIDATION", "1")
+    assert version("2") not in (first, version("1"))

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 from harness_runs import ENVIRONMENT, ROOT, arguments, compare, write_graph
-from renderer_scenes import write_flying_panel
+from renderer_scenes import restirpg, write_flying_panel
 
 from harness import scenes
 from harness.motion import Motion
@@ -19,11 +19,9 @@ METHODS = ["plain.json@noise=0,label=quiet", "plain.json@label=noisy"]
 
 
 def write_scene(folder, times=(0.0, 9.0), interpolation="LINEAR"):
-    """A scene file whose one animation has its keys at `times`; its name."""
-    accessors = [{"count": len(times), "min": [times[0]], "max": [times[-1]]}, {}]
-    sampler = {"input": 0, "output": 1, "interpolation": interpolation}
-    document = {"accessors": accessors, "animations": [{"samplers": [sampler], "channels": []}]}
-    (folder / "moving.gltf").write_text(json.dumps(document))
+    """A scene file of the fake renderer whose one animation has its keys at `times`; its name."""
+    jump = interpolation == "STEP" and len(times) <= 2
+    (folder / "moving.gltf").write_text(json.dumps([[times[0], times[-1], jump]]))
     return "moving.gltf"
 
 
@@ -107,13 +105,15 @@ def test_frames_of_a_still_scene_have_the_reference_of_its_mean(tmp_path):
     assert all(row["mape"] < 1e-5 for row in frames(tmp_path).values())
 
 
-def test_an_animation_stands_before_between_and_after_what_moves_it(tmp_path):
-    scene = tmp_path / write_scene(tmp_path, (1.0, 2.0))
-    assert [scenes.held_since(scene, seconds) for seconds in (0.5, 1.0, 1.5, 2.0, 3.0)] == [0, 0, 1.5, 2, 2]
-    write_scene(tmp_path, (0.5, 2.0), "STEP")
-    assert [scenes.held_since(scene, seconds) for seconds in (0.5, 1.5, 2.0, 3.0)] == [0, 0, 2, 2]
-    write_scene(tmp_path, (0.0, 1.0, 2.0), "STEP")  # what is between its keys is not looked up
-    assert scenes.held_since(scene, 1.5) == 1.5
+@pytest.mark.parametrize("times, interpolation, held", [
+    ((1.0, 2.0), "LINEAR", {0.5: 0, 1.0: 0, 1.5: 1.5, 2.0: 2, 3.0: 2}),
+    ((0.5, 2.0), "STEP", {0.5: 0, 1.5: 0, 2.0: 2, 3.0: 2}),
+    ((0.0, 1.0, 2.0), "STEP", {1.5: 1.5}),  # what is between its keys is not looked up
+])
+def test_an_animation_stands_before_between_and_after_what_moves_it(tmp_path, times, interpolation, held):
+    write_flying_panel(tmp_path / "panel.gltf", times, interpolation)
+    facts = scenes.facts_of("", restirpg.load_scene(tmp_path / "panel.gltf"))
+    assert {seconds: facts.held_since(seconds) for seconds in held} == held
 
 
 @pytest.mark.parametrize(

@@ -42,12 +42,14 @@ class Recorded:
 
     @property
     def grid(self):
-        return oracle.grid_of(self.statistics[0])
+        return oracle.grid_of(self.statistics[0], self.knobs["splat"]["smallest_cell"])
 
     @property
     def previous(self):
         """Grid and table of the guide a frame ago."""
-        return (oracle.grid_of(self.before[0]), self.before[1]) if self.before else (None, {})
+        if not self.before:
+            return None, {}
+        return oracle.grid_of(self.before[0], self.knobs["splat"]["smallest_cell"]), self.before[1]
 
     @property
     def learns_alpha(self):

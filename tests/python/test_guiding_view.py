@@ -27,7 +27,7 @@ def views(scene):  # noqa: F811
     renderer.render(4)
     header, cells, _ = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, oracle.MEMORY)
     grid, first = (
-        oracle.grid_of(header),
+        oracle.grid_of(header, renderer.get("splat.smallest_cell")),
         renderer.read_port("reuse.vertices").view(oracle.VERTEX).reshape(32, 32, -1)[..., 0].ravel(),
     )
     keys, doubtful = grid.keys(

@@ -1,15 +1,18 @@
 """A run on a renderer that a worker has kept is the run of a new one: same bytes, whatever went before."""
 
 import json
+import shutil
 import sys
 
 import numpy as np
+import pytest
 from renderer_scenes import ROOT, scene_file, write_flying_panel  # noqa: F401
 
 sys.path.insert(0, str(ROOT / "scripts"))
 
-from harness import measure, render, scenes
-from harness.jobs import Cache, Job
+from harness import Halt, measure, render
+from harness.cache import Cache
+from harness.jobs import Job
 from harness.motion import Motion
 from harness.workers import Pool
 
@@ -19,14 +22,15 @@ FRAMES = 3
 def job_of(graph, scene, seed, **options):
     """A small run of a graph of this repository."""
     file = str(ROOT / "graphs" / graph)
-    return Job(scene=str(scene), scene_hash=scenes.content_hash(scene), graph=file,
-               description=json.dumps(render.describe_graph(file)), size=(24, 16), frames=FRAMES, seed=seed,
-               code="", **{"bounces": 2, **options})
+    return Job(**{"scene": str(scene), "scene_hash": "", "graph": file, "size": (24, 16), "frames": FRAMES, "seed": seed,
+                  "description": json.dumps(render.describe_graph(file)), "code": render.code_version(), "bounces": 2,
+                  **options})
 
 
 def pictures(folder, jobs):
     """Outputs of the jobs, done one after the other by one worker."""
-    with Pool(Cache(folder).folder, 1) as pool:
+    folder.mkdir()
+    with Pool(folder, 1) as pool:
         assert [failure for _, failure, _ in pool.run(jobs)] == [None] * len(jobs)
     return [Cache(folder).load(job.key)["image"] for job in jobs]
 
@@ -52,6 +56,25 @@ class Uncut:
 
     def __setattr__(self, name, value):
         setattr(self.renderer, name, value)
+
+
+def test_a_graph_and_its_neighbours_edited_meanwhile_are_rendered_as_they_were(scene_file, tmp_path):  # noqa: F811
+    """Structural knobs too: rounds make other kernels."""
+    shutil.copy(ROOT / "graphs/pipeline.py", tmp_path / "neighbour.py")
+    file = tmp_path / "graph.py"
+    file.write_text("from neighbour import pipeline\ngraph = pipeline('G', rounds=1)\n")
+    job = job_of(file, scene_file, 1, knobs=(("reuse.rounds", 2),))
+    (tmp_path / "neighbour.py").write_text("raise ValueError\n")
+    edited = pictures(tmp_path / "edited", [job])
+    file.write_text("graph = 1\n")
+    shutil.copy(ROOT / "graphs/pipeline.py", tmp_path / "neighbour.py")
+    whole = job_of(ROOT / "graphs/restir_pg.py", scene_file, 1, knobs=(("reuse.rounds", 2),))
+    np.testing.assert_array_equal(edited, pictures(tmp_path / "whole", [whole]))
+
+
+def test_a_scene_edited_meanwhile_ends_the_program(scene_file, tmp_path):  # noqa: F811
+    with pytest.raises(Halt, match="the scene has changed since the start"):
+        pictures(tmp_path / "kept", [job_of("path_tracer.py", scene_file, 1, scene_hash="of another")])
 
 
 def test_history_that_is_not_forgotten_shows(scene_file, monkeypatch):  # noqa: F811

@@ -38,7 +38,7 @@ def frames(scene):  # noqa: F811
         renderer.move_camera(position=(0.03 * frame, 1, 4.35), target=(0.03 * frame, 1, 0))
         renderer.render(1)
         header = oracle.read_table(renderer.read_port("splat.statistics"), oracle.SUMS)[0]
-        grid = oracle.grid_of(header)
+        grid = oracle.grid_of(header, renderer.get("splat.smallest_cell"))
         vertices = {port: renderer.read_port(port).view(oracle.VERTEX).reshape(32 * 32, -1) for port in PORTS}
         positions = {
             port: grid.positions(v["position"].ravel()).reshape(*v.shape, 3) for port, v in vertices.items()

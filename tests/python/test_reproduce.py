@@ -26,7 +26,8 @@ from harness.paper import (  # noqa: E402
 )  # fmt: skip
 from harness.paper.comparisons import CANDIDATES  # noqa: E402
 from harness.paper.paper import METHODS, OURS, QUICK, SHOWN, UNGUIDED, Paper, Results, Study  # noqa: E402
-from harness.scenes import bounce_cap  # noqa: E402
+from harness.scenes import facts  # noqa: E402
+from harness.workers import Pool  # noqa: E402
 
 SMALL = "--quick --size 16x9 --frames 2 --seeds 2 --reference-frames 16".split()
 
@@ -415,12 +416,13 @@ def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, arguments, words):
 @pytest.mark.parametrize("arguments, cap", [([], 4), (["--bounces", "2"], 2)])
 def test_a_bounce_cap_takes_the_place_of_the_scene_s(tmp_path, arguments, cap):
     options = program.parse(["figure", "5", "--scenes", "door_ajar", *arguments])
-    evaluation = Paper(program.size_from(options), tmp_path, None, None, None, options.scenes)
-    settings = evaluation.settings(Study(METHODS, evaluation.scenes()))
-    [scene] = settings.scenes
-    assert bounce_cap(scene, settings.bounces) == cap
-    call = evaluation.call(figure_4.directions, "door_ajar", "graphs/restir_pg.py")
-    assert dict(call.settings)["bounces"] == cap
+    with Pool(tmp_path, 1) as pool:
+        evaluation = Paper(program.size_from(options), tmp_path, None, pool, None, options.scenes)
+        settings = evaluation.settings(Study(METHODS, evaluation.scenes()))
+        [scene] = settings.scenes
+        assert facts(pool, scene).bounces(settings.bounces) == cap
+        call = evaluation.call(figure_4.directions, "door_ajar", "graphs/restir_pg.py")
+        assert dict(call.settings)["bounces"] == cap
 
 
 def test_the_list_names_everything(tmp_path):

@@ -22,12 +22,10 @@ def directions(scene, description, size, bounces, pixels, frames, seeds, raw):
     """Of each seed and pixel's cell, over 1, 2, 4 ... frames (NaN where there was no sample): `frames` (k,),
     `histograms` (seeds, pixels, k, rows, columns), `counts`, `effective` (seeds, pixels, k); and `lobes`
     (seeds, pixels, rows, columns)."""
-    import restirpg
-
     from harness import guide_maps
 
     learner = guide_maps.Learner(
-        restirpg.load_scene(scene), json.loads(description), pixels, size, bounces, raw=raw, strict=False
+        scene, json.loads(description), pixels, size, bounces, raw=raw, strict=False
     )
     doublings = [2**k for k in range(frames.bit_length())]
     shape, bins = (len(seeds), len(pixels), len(doublings)), (guide_maps.ROWS, guide_maps.COLUMNS)
@@ -52,13 +50,10 @@ def directions(scene, description, size, bounces, pixels, frames, seeds, raw):
 
 def products(scene, description, size, bounces, pixels):
     """`products` (pixels, rows, columns)."""
-    import restirpg
-
     from harness import guide_maps
 
-    loaded = restirpg.load_scene(scene)
-    points = guide_maps.Learner(loaded, json.loads(description), pixels, size, strict=False).run(1)[0]
-    return {"products": np.array(guide_maps.products_at(points, loaded, bounces or 8)), "meta": {}}
+    points = guide_maps.Learner(scene, json.loads(description), pixels, size, strict=False).run(1)[0]
+    return {"products": np.array(guide_maps.products_at(points, scene, bounces or 8)), "meta": {}}
 
 
 def calls(paper, scene):

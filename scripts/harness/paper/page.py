@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from harness import report, tables
+from harness import files, report, tables
 from harness import statistics as st
 
 
@@ -56,7 +56,7 @@ class Table:
         for row in self.rows:
             cells = [_csv_cells(cell, is_number) for cell, is_number in zip(row, numeric)]
             writer.writerow([cell for pair in cells for cell in pair])
-        report.write_text(Path(folder) / f"{self.name}.csv", stream.getvalue())
+        files.write(Path(folder) / f"{self.name}.csv", stream.getvalue())
 
 
 def _csv_cells(cell, is_number):
@@ -102,7 +102,7 @@ def write(sections, paper, file, program):
         pictures = []
         for picture in section.pictures:
             data = picture.png()
-            (folder / f"{picture.name}.png").write_bytes(data)
+            files.write(folder / f"{picture.name}.png", data)
             pictures.append((picture.name, picture.caption, base64.b64encode(data).decode()))
         for table in section.tables:
             table.write_csv(folder)
@@ -134,4 +134,4 @@ def write(sections, paper, file, program):
         provenance=provenance,
         **shared,
     )
-    report.write_text(file, text)
+    files.write(file, text)

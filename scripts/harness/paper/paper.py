@@ -5,9 +5,9 @@ import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from harness import analysis, render, report, scenes, tables
+from harness import UserError, analysis, files, render, report, scenes, tables
 from harness.comparison import PATH_TRACER, Comparison, Settings
-from harness.jobs import Call, Method
+from harness.jobs import Call, Method, without_places
 
 GRAPHS = os.path.relpath(render.ROOT / "graphs")  # from any folder
 
@@ -82,7 +82,6 @@ class Paper:
         self.chosen = tuple(chosen or ())  # scenes that the user named, in place of those of the figures
         self.failures, self.devices, self.code = [], {}, render.code_version()
         self._results, self._files = {}, {}
-        self.out.mkdir(parents=True, exist_ok=True)
 
     def scenes(self, *own):
         """Names or files: the user's, or `own`, or the evaluation's."""
@@ -91,6 +90,9 @@ class Paper:
     def file(self, scene):
         """The file of a scene by name or path; an embedded one is written into the folder `scenes`."""
         if scene not in self._files:
+            own = self.out / "scenes" / f"{scene}.glb"
+            if not Path(scene).is_file() and any(own.resolve() == Path(name).resolve() for name in self.chosen):
+                raise UserError(f"{own}: the embedded '{scene}' would be written over it; name one of the two")
             self._files[scene] = scenes.file_of(scene, self.out / "scenes")
         return self._files[scene]
 
@@ -121,7 +123,7 @@ class Paper:
             self._results[study] = Results(runs, analysis.analyse(runs))
         results = self._results[study]
         if folder:
-            (self.out / folder).mkdir(parents=True, exist_ok=True)
+            files.make_folder(self.out / folder, "--out")
             tables.write_csv(results.findings, self.out / folder)
             report.write_pictures(results.findings, self.out / folder)
         return results
@@ -133,14 +135,14 @@ class Paper:
         evaluation's or the scene's cap of `bounces`, unless they are among the settings.
         """
         file = self.file(scene)
+        facts = scenes.facts(self.pool, file)
         settings = {
-            "description": json.dumps(render.describe_graph(graph), sort_keys=True),
+            "description": without_places(json.dumps(render.describe_graph(graph))),
             "size": self.size.size,
-            "bounces": scenes.bounce_cap(file, self.size.bounces),
+            "bounces": facts.bounces(self.size.bounces),
         } | settings
-        content = scenes.content_hash(file)
         label = f"{Path(file).stem}, {function.__module__.rpartition('.')[2]}"
-        return Call(function, file, content, tuple(sorted(settings.items())), self.code, label)
+        return Call(function, file, facts.hash, tuple(sorted(settings.items())), self.code, label)
 
     def answers(self, calls):
         """The calls' results in order, None for one that failed; what is not in the cache is measured."""

@@ -1,9 +1,10 @@
 """Stands in for the renderer in tests of the harness: noise of known mean, variance and correlation.
 
-A scene is any file; a graph is JSON whose pass "paths" has the knobs of DEFAULTS. Times are made up and
+A scene is a file; a graph is JSON whose pass "paths" has the knobs of DEFAULTS. Times are made up and
 depend on nothing but knobs, so that whole tables can be compared.
 """
 
+import hashlib
 import json
 import os
 import signal
@@ -35,16 +36,32 @@ class _Graph:
         self.description = description
 
 
+class _Scene:
+    bounce_cap = None
+
+    def __init__(self, text):
+        self.hash = hashlib.sha256(text.encode()).hexdigest()
+        self.animation_keys = json.loads(text) if text else []
+
+
 def load_scene(file, camera=0, environment=None):
-    """The file's name is all there is to it."""
+    """A scene is an empty file, or JSON of its animation keys."""
     if "broken" in Path(file).name:
         raise Error(f"{file}: not a scene")
-    return file
+    return _Scene(Path(file).read_text())
 
 
 def load_graph(file):
     """A JSON graph."""
-    return _Graph(json.loads(Path(file).read_text()))
+    try:
+        return _Graph(json.loads(Path(file).read_text()))
+    except (ValueError, RecursionError) as error:
+        raise Error(f"{file}: not JSON: {error}") from None
+
+
+def code_paths():
+    """None but the package itself, and what RESTIRPG_SHADERS names."""
+    return list(filter(None, [os.environ.get("RESTIRPG_SHADERS")]))
 
 
 def truth(width, height, seconds=0.0, aside=0.0):
@@ -64,7 +81,7 @@ class Renderer:
     def __init__(self, scene, graph, size, seed=0, device=None, backend=None):
         self._size, self.seed, self._seconds = size, seed, 0.0
         self._knobs = {"paths": dict(DEFAULTS)}
-        for entry in graph.description["passes"]:
+        for entry in graph["passes"]:
             self._knobs.setdefault(entry["name"], {}).update(entry.get("knobs", {}))
         self.cut()
 

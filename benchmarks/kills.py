@@ -1,0 +1,193 @@
+#!/usr/bin/python3
+"""Kill programs at random moments, start them again until they are done, and compare what they then say.
+
+    benchmarks/kills.py [--kills 50] [--seed 1] [--cases render compare reproduce] [--markdown FILE]
+
+Each case runs once undisturbed, which gives its numbers and how long it takes. Then its whole process group is
+killed (SIGKILL) at a moment drawn evenly over that time, started again in the same folder, killed again ..., until
+it ends before its moment comes: a round. Numbers of a round must be those of the undisturbed run: pixels of all
+pictures, errors of all runs; times are left out. The next round begins in an empty folder, compiled kernels
+included. Exit code: 0; 1 when a number differs or a program fails; 2 for a mistake in what was asked.
+"""
+
+import argparse
+import contextlib
+import csv
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from harness import UserError, files, program, render, scenes  # noqa: E402
+
+SMALL = ["--size", "16x9", "--frames", "2", "--seeds", "2", "--reference-frames", "8", "--reference-batches", "2"]
+
+
+def render_command(scene, folder):
+    """A picture as EXR and PNG."""
+    binary = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build")) / "bin" / "restirpg"
+    return [str(binary), "render", str(ROOT / "graphs" / "restir_pt.py"), "--scene", scene, "--size", "32x18", "--frames",
+            "32", "-o", str(folder / "image.exr"), "--png", str(folder / "image.png")]
+
+
+def compare_command(scene, folder):
+    """Two methods, their runs, references and pictures."""
+    graphs = [str(ROOT / "graphs" / name) for name in ("path_tracer.py", "restir_di.py")]
+    return [sys.executable, str(ROOT / "scripts" / "compare.py"), *graphs, "--scenes", scene, *SMALL, "--out", str(folder)]
+
+
+def reproduce_command(scene, folder):
+    """Runs of four methods, and calls."""
+    what = ["figure", "5", "table", "1", "--quick", "--scenes", scene]
+    return [sys.executable, str(ROOT / "scripts" / "reproduce.py"), *what, *SMALL, "--out", str(folder)]
+
+
+COMMANDS = {"render": render_command, "compare": compare_command, "reproduce": reproduce_command}
+
+
+def numbers_in(folder):
+    """{file: its content} of what a program left: pixels, PNG files of pictures alone, errors of runs and cells."""
+    import restirpg
+
+    found = {}
+    for file in sorted(folder.rglob("*")):
+        name = str(file.relative_to(folder))
+        if file.suffix == ".exr":
+            found[name] = restirpg.read_exr(file).tobytes()
+        elif file.name == "image.png":
+            found[name] = file.read_bytes()
+        elif file.name in ("runs.csv", "table_1.csv"):
+            with open(file, newline="") as stream:
+                rows = list(csv.DictReader(stream))
+            found[name] = [{key: value for key, value in row.items() if not key.endswith("_ms")} for row in rows]
+    return found
+
+
+@dataclass
+class Outcome:
+    """What became of a case."""
+
+    seconds: float  # of the undisturbed run
+    numbers: int  # files compared
+    kills: int = 0
+    rounds: int = 0
+    wrong: list = field(default_factory=list)  # a line each
+
+
+@contextlib.contextmanager
+def started(command, environment):
+    """The command in a process group of its own, which is killed at the end if it still runs."""
+    process = subprocess.Popen(command, env=environment, start_new_session=True, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True)
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+        process.stderr.close()
+
+
+def run_whole(command, environment):
+    """(seconds, line of failure or None) of a command that nobody kills."""
+    start = time.monotonic()
+    with started(command, environment) as process:
+        errors = process.communicate()[1].splitlines()
+    failure = f"ended with {process.returncode}: {errors[-1] if errors else ''}" if process.returncode else None
+    return time.monotonic() - start, failure
+
+
+def is_killed(command, environment, moment):
+    """Whether the command had to be killed after so many seconds, and had not ended before."""
+    with started(command, environment) as process:
+        try:
+            process.communicate(timeout=moment)
+            return False
+        except subprocess.TimeoutExpired:
+            return True
+
+
+def torture(command_for, folder, kills, draws, numbers=numbers_in, environment=None):
+    """The Outcome of so many kills. command_for(folder): the command that works in that folder; draws: a
+    random.Random; numbers(folder): what must be the same; environment: (folder) -> its environment."""
+    environment = environment or (lambda folder: {**os.environ, "RESTIRPG_CACHE_DIR": str(folder / "kernels")})
+    whole = folder / "whole"
+    whole.mkdir(parents=True)
+    seconds, failure = run_whole(command_for(whole), environment(whole))
+    if failure:
+        raise UserError(f"{command_for(whole)[1]}: without any kill it {failure}")
+    right = numbers(whole)
+    outcome = Outcome(seconds, len(right))
+    while outcome.kills < kills:
+        own = folder / f"round_{outcome.rounds + 1}"
+        own.mkdir()
+        while outcome.kills < kills:
+            if not is_killed(command_for(own), environment(own), draws.uniform(0, seconds)):
+                break
+            outcome.kills += 1
+        _, failure = run_whole(command_for(own), environment(own))  # its end, or, after it, once more
+        outcome.rounds += 1
+        if failure:
+            outcome.wrong.append(f"round {outcome.rounds} {failure}")
+        elif (found := numbers(own)) != right:
+            differing = sorted(name for name in right.keys() | found.keys() if right.get(name) != found.get(name))
+            outcome.wrong.append(f"round {outcome.rounds}: {', '.join(differing)} differ")
+        elif parts := [part.name for part in own.rglob("*.part")]:
+            outcome.wrong.append(f"round {outcome.rounds}: left {', '.join(parts)}")
+        else:
+            shutil.rmtree(own)
+    return outcome
+
+
+def parse(arguments):
+    """The command line as a namespace."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--kills", type=program.positive, default=50, help="in all (%(default)s)")
+    parser.add_argument("--seed", type=program.whole(0), default=1, help="of the moments (%(default)s)")
+    parser.add_argument("--cases", nargs="+", choices=COMMANDS, default=list(COMMANDS), help="(all)")
+    parser.add_argument("--markdown", type=Path, help="file to write the table to")
+    return parser.parse_args(arguments)
+
+
+def main(arguments):
+    """The command line. Returns the exit code."""
+    options = parse(arguments)
+
+    def body(_):
+        render.find_package()
+        out = Path(tempfile.mkdtemp(prefix="restirpg-kills-"))
+        scene = scenes.file_of("cornell_box", out)
+        lines = ["| program | undisturbed | files compared | kills | rounds | rounds that differ or fail |",
+                 "| --- | --- | --- | --- | --- | --- |"]
+        wrong = []
+        for number, case in enumerate(options.cases):
+            share = options.kills // len(options.cases) + (number < options.kills % len(options.cases))
+            outcome = torture(lambda folder: COMMANDS[case](scene, folder), out / case, share,  # noqa: B023
+                              random.Random(f"{options.seed} {case}"))
+            wrong += [f"{case}, {line}" for line in outcome.wrong]
+            lines.append(f"| {case} | {outcome.seconds:.1f} s | {outcome.numbers} | {outcome.kills} | {outcome.rounds} "
+                         f"| {len(outcome.wrong)} |")
+            print(lines[-1], flush=True)
+        if options.markdown:
+            files.write(options.markdown, "\n".join(lines) + "\n")
+        if wrong:
+            print("\n".join([*wrong, f"{out}: what is left of it"]))
+            return 1
+        shutil.rmtree(out)
+        print(f"{options.kills} kills: the same numbers each time")
+        return 0
+
+    return program.run("kills.py", body)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
