@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from harness import UserError, reference, render, scenes
-from harness.jobs import Job, Method, digest, seed_of, without_places
+from harness.jobs import Job, Method, digest, file_name, seed_of, without_places
 from harness.motion import Motion
 
 PATH_TRACER = os.path.relpath(render.ROOT / "graphs" / "path_tracer.py")  # from any folder
@@ -59,8 +59,9 @@ class Comparison:
         self._pool = pool
         self.display = display
         labels = ["reference", *(method.label for method in settings.methods)]
+        names = [file_name(label) for label in labels]
         for label in labels:
-            if labels.count(label) > 1:
+            if names.count(file_name(label)) > 1:
                 raise UserError(f"two pictures would be called '{label}'; tell them apart with @label=NAME")
         if settings.motion and not settings.at:
             raise UserError("while things move only single frames can be measured: say which, as in --at 8,16")

@@ -47,7 +47,15 @@ def parse_method(text):
     default = " ".join(
         [Path(graph).stem, *(part for part in settings.split(",") if not part.startswith("label="))]
     )
-    return Method(**{"label": default.strip(), **special}, graph=graph, knobs=tuple(knobs))
+    method = Method(**{"label": default.strip(), **special}, graph=graph, knobs=tuple(knobs))
+    if not (method.label.isprintable() and 0 < len(method.label) <= 100):
+        raise UserError(f"{text}: a method is called by 1 to 100 printable characters; give it another @label=NAME")
+    return method
+
+
+def file_name(label):
+    """A label as part of a file's name."""
+    return "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in label)
 
 
 def knob_value(text):

@@ -14,6 +14,7 @@ import numpy as np
 
 from harness import files, plots, render, tables
 from harness import statistics as st
+from harness.jobs import file_name
 
 FOLDER = Path(__file__).resolve().parent
 # Bytes of half floats in one report; single frames and means of seeds are left out first.
@@ -236,9 +237,8 @@ def write_pictures(findings, folder):
             {"reference": json.dumps(scene.reference["meta"])},
         )
         for method in scene.methods:
-            name = "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in method.label)
             render.write_exr(
-                folder / f"{stem}.{name}.exr",
+                folder / f"{stem}.{file_name(method.label)}.exr",
                 {"": method.images["image"], "mean": method.images["mean"]},
                 {"graph": json.dumps(scene.descriptions[method.label])},
             )
