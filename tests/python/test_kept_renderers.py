@@ -62,13 +62,13 @@ def test_a_graph_and_its_neighbours_edited_meanwhile_are_rendered_as_they_were(s
     """Structural knobs too: rounds make other kernels."""
     shutil.copy(ROOT / "graphs/pipeline.py", tmp_path / "neighbour.py")
     file = tmp_path / "graph.py"
-    file.write_text("from neighbour import pipeline\ngraph = pipeline('G', rounds=1)\n")
+    file.write_text("from neighbour import pipeline\ngraph = pipeline()\n")
     job = job_of(file, scene_file, 1, knobs=(("reuse.rounds", 2),))
     (tmp_path / "neighbour.py").write_text("raise ValueError\n")
     edited = pictures(tmp_path / "edited", [job])
     file.write_text("graph = 1\n")
     shutil.copy(ROOT / "graphs/pipeline.py", tmp_path / "neighbour.py")
-    whole = job_of(ROOT / "graphs/restir_pg.py", scene_file, 1, knobs=(("reuse.rounds", 2),))
+    whole = job_of(ROOT / "graphs/restir_pt.py", scene_file, 1, knobs=(("reuse.rounds", 2),))
     np.testing.assert_array_equal(edited, pictures(tmp_path / "whole", [whole]))
 
 
