@@ -78,7 +78,7 @@ class Renderer:
     camera = {"position": (0.0, 0.0, 0.0), "target": (0.0, 0.0, -1.0), "up": (0.0, 1.0, 0.0)}
     device_info = {"name": "fake device", "driver": "1", "backend": "none"}
 
-    def __init__(self, scene, graph, size, seed=0, device=None, backend=None):
+    def __init__(self, scene, graph, size, seed=0, device=None, backend=None, energy_compensation=False):
         self._size, self.seed, self._seconds = size, seed, 0.0
         self._knobs = {"paths": dict(DEFAULTS)}
         for entry in graph["passes"]:
