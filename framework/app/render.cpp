@@ -31,6 +31,7 @@ struct Options {
     std::string output;  ///< of the graph; empty: all
     std::string reference;
     std::string environment;
+    bool allowOutside = false;
     std::vector<std::string> knobs;  ///< "pass.knob=value"
     std::optional<uint32_t> bounces;
     std::optional<uint32_t> camera;
@@ -68,7 +69,7 @@ void checkFiles(const Options& options)
 
 std::shared_ptr<const Scene> loadScene(const Options& options)
 {
-    Scene scene = loadGltf(options.scene);
+    Scene scene = loadGltf(options.scene, options.allowOutside);
     if (!options.environment.empty())
         scene.environment = loadEnvironment(options.environment);
     if (options.camera && *options.camera >= scene.cameras.size())
@@ -225,6 +226,8 @@ void addInputOptions(CLI::App& command, Options& options)
 {
     command.add_option("GRAPH", options.graph, "Graph file (.py or .json)")->required();
     command.add_option("--scene", options.scene, "glTF 2.0 scene (.gltf or .glb)")->required();
+    command.add_flag("--allow-outside", options.allowOutside,
+                     "Let the scene read files that lie outside of its own folder");
     command.add_option("--environment", options.environment,
                        "Equirectangular .exr or .hdr, or a constant radiance r,g,b");
     command.add_option("--camera", options.camera, "Number of the scene's camera, from 0");

@@ -19,15 +19,17 @@ namespace fs = std::filesystem;
 constexpr const char* LOAD_SCENE = R"(Read a glTF 2.0 scene (.gltf or .glb).
 
 camera: number of the scene's camera, from 0. environment: an equirectangular .exr or .hdr file, or a constant radiance
-"r,g,b" in W/sr/m^2, in place of the scene's own. Raises Error for files that are missing, damaged or unsupported.)";
+"r,g,b" in W/sr/m^2, in place of the scene's own. allow_outside: let the scene read files that lie outside of its own
+folder. Raises Error for files that are missing, damaged or unsupported.)";
 
 constexpr const char* LOAD_GRAPH = R"(Read a graph file (.py, evaluated by a Python of its own, or .json).
 
 Only its shape is checked here; Renderer checks it against the passes.)";
 
-std::shared_ptr<Scene> loadScene(const fs::path& file, uint32_t camera, const std::optional<std::string>& environment)
+std::shared_ptr<Scene> loadScene(const fs::path& file, uint32_t camera, const std::optional<std::string>& environment,
+                                 bool allowOutside)
 {
-    auto scene = std::make_shared<Scene>(loadGltf(file));
+    auto scene = std::make_shared<Scene>(loadGltf(file, allowOutside));
     if (environment)
         scene->environment = loadEnvironment(*environment);
     if (camera >= scene->cameras.size())
@@ -103,7 +105,7 @@ void bindScene(py::module_& module)
                                scene.instancedTriangleCount());
         });
     module.def("load_scene", &loadScene, LOAD_SCENE, "file"_a, "camera"_a = 0, "environment"_a = py::none(),
-               py::call_guard<py::gil_scoped_release>());
+               "allow_outside"_a = false, py::call_guard<py::gil_scoped_release>());
 
     py::class_<GraphDescription>(module, "GraphDescription", "A graph as data, from load_graph.")
         .def_property_readonly(

@@ -3,7 +3,6 @@
 #include "scene/gltf_file.h"
 
 #include <cmath>
-#include <fstream>
 
 namespace restirpg {
 
@@ -78,10 +77,9 @@ void readEnvironment(const File& file, const tinygltf::Value& settings, Scene& s
     if (!source)
         return;
     if (source->IsString()) {
-        const auto path = file.path.parent_path() / source->Get<std::string>();
+        const auto path = file.resources.resolve(source->Get<std::string>(), "asset.extras.restirpg.environment");
         scene.environment = loadEnvironment(path.string());
-        std::ifstream stream(path, std::ios::binary);
-        const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+        const auto bytes = readBytes(path);
         hash = hashBytes(bytes.data(), bytes.size(), hash);
     } else if (source->ArrayLen() == 3) {
         scene.environment.emplace();
@@ -111,14 +109,14 @@ void readExtras(const File& file, Scene& scene, uint64_t& hash)
     }
 }
 
-Scene convert(const std::filesystem::path& path)
+Scene convert(const std::filesystem::path& path, bool allowOutside)
 {
-    const auto file = readFile(path);
+    const auto file = readFile(path, allowOutside);
     Scene scene;
     scene.file = path;
     readMaterials(file, scene);
-    readMeshes(file, scene);
     readNodes(file, scene);
+    readInstances(file, scene);
     if (scene.instances.empty())
         fail("{}: the default scene has no triangles; add a mesh", file.name());
     uint64_t hash = file.hash;
@@ -142,10 +140,10 @@ Scene convert(const std::filesystem::path& path)
 
 }  // namespace
 
-Scene loadGltf(const std::filesystem::path& file)
+Scene loadGltf(const std::filesystem::path& file, bool allowOutside)
 {
     try {
-        return convert(file);
+        return convert(file, allowOutside);
     } catch (const Error&) {
         throw;
     } catch (const std::bad_alloc&) {

@@ -127,6 +127,18 @@ const char* typeName(int type)
 
 }  // namespace
 
+void checkAccessor(const File& file, int index, const std::string& place)
+{
+    const auto& accessor = file.model.accessors[size_t(index)];
+    const size_t components = size_t(tinygltf::GetNumComponentsInType(uint32_t(accessor.type)));
+    const size_t size = componentSize(file, index, uint32_t(accessor.componentType), place) * components;
+    if (accessor.bufferView >= 0)
+        elementsOf(file, index, accessor.bufferView, accessor.byteOffset, accessor.count, size,
+                   file.model.bufferViews[size_t(accessor.bufferView)].byteStride, place);
+    else if (accessor.count > LARGEST_ZERO_ACCESSOR)
+        fail("{}: {}: accessor {} has {} elements but no data; export it again", file.name(), place, index, accessor.count);
+}
+
 std::vector<float> readFloats(const File& file, int index, const std::string& place, std::initializer_list<int> types)
 {
     const auto& accessor = file.model.accessors[size_t(index)];
@@ -136,6 +148,7 @@ std::vector<float> readFloats(const File& file, int index, const std::string& pl
     const size_t size = componentSize(file, index, uint32_t(accessor.componentType), place);
     const size_t components = size_t(tinygltf::GetNumComponentsInType(uint32_t(accessor.type)));
 
+    checkAccessor(file, index, place);
     std::vector<float> values;
     if (accessor.bufferView >= 0) {
         const auto stride = file.model.bufferViews[size_t(accessor.bufferView)].byteStride;
@@ -147,9 +160,6 @@ std::vector<float> readFloats(const File& file, int index, const std::string& pl
                 values[i * components + c] = loadFloat(elements.first + i * elements.stride + c * size,
                                                        accessor.componentType, accessor.normalized);
     } else {
-        if (accessor.count > LARGEST_ZERO_ACCESSOR)
-            fail("{}: {}: accessor {} has {} elements but no data; export it again", file.name(), place, index,
-                 accessor.count);
         values.resize(accessor.count * components);
     }
     if (accessor.sparse.isSparse)

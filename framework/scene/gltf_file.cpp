@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
+#include <map>
 #include <set>
 
 namespace restirpg::gltf {
@@ -27,41 +27,44 @@ const std::set<std::string> SUPPORTED_EXTENSIONS = {
     "KHR_texture_transform",           "KHR_lights_punctual",        "KHR_mesh_quantization",
 };
 
-std::vector<uint8_t> readBytes(const std::filesystem::path& path)
-{
-    std::error_code error;
-    if (!std::filesystem::exists(path, error))
-        fail("{}: no such file; check the path", path.string());
-    if (!std::filesystem::is_regular_file(path, error))
-        fail("{}: not a file; name a .gltf or .glb file", path.string());
-    const auto size = std::filesystem::file_size(path, error);
-    if (error || size > 0xffffffffu)
-        fail("{}: larger than 4 GiB, which a glTF file cannot be; split it", path.string());
-    std::vector<uint8_t> bytes(size);
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size)))
-        fail("{}: cannot be read; check its permissions", path.string());
-    return bytes;
-}
-
-uint32_t word(const std::vector<uint8_t>& bytes, size_t offset)
+uint32_t word(std::span<const uint8_t> bytes, size_t offset)
 {
     uint32_t value;
     std::memcpy(&value, bytes.data() + offset, sizeof value);
     return value;
 }
 
-bool isBinary(const std::vector<uint8_t>& bytes)
+bool isBinary(std::span<const uint8_t> bytes)
 {
     return bytes.size() >= 4 && word(bytes, 0) == GLB_MAGIC;
 }
 
-/// The JSON text of a file, after every length of a GLB container was checked against the file's own.
-std::string_view jsonText(const std::string& file, const std::vector<uint8_t>& bytes)
+/// The parts of a file; `binary` is empty for .gltf.
+struct Container {
+    std::string_view json;
+    std::span<const uint8_t> binary;
+};
+
+/// The chunk of a GLB container at `offset`, after its length was checked against the file's own.
+std::span<const uint8_t> chunkAt(const std::string& file, std::span<const uint8_t> bytes, size_t offset, uint32_t type,
+                                 const char* name)
 {
-    const auto* text = reinterpret_cast<const char*>(bytes.data());
+    const uint64_t length = word(bytes, offset);
+    if (offset + 8 + length > bytes.size())
+        fail("{}: damaged: the GLB's {} chunk of {} bytes leaves the file; export it again", file, name, length);
+    if (word(bytes, offset + 4) != type)
+        fail("{}: damaged: the GLB has another chunk where its {} chunk should be; export it again", file, name);
+    return bytes.subspan(offset + 8, length);
+}
+
+/// Chunks after the first two belong to extensions and are skipped [glTF 2.0, 4.4.2].
+Container openContainer(const std::string& file, std::span<const uint8_t> bytes)
+{
+    const auto text = [](std::span<const uint8_t> chunk) {
+        return std::string_view(reinterpret_cast<const char*>(chunk.data()), chunk.size());
+    };
     if (!isBinary(bytes))
-        return {text, bytes.size()};
+        return {text(bytes), {}};
     if (bytes.size() < 20)
         fail("{}: truncated: {} bytes are less than a GLB header; copy the file again", file, bytes.size());
     if (word(bytes, 4) != 2)
@@ -69,16 +72,12 @@ std::string_view jsonText(const std::string& file, const std::vector<uint8_t>& b
     if (word(bytes, 8) > bytes.size())
         fail("{}: truncated: the header says {} bytes, the file has {}; copy the file again", file, word(bytes, 8),
              bytes.size());
-    uint64_t end = 12;
-    for (int chunk = 0; chunk < 2 && (chunk == 0 || end + 8 <= word(bytes, 8)); ++chunk) {
-        const uint64_t length = word(bytes, end);
-        if (end + 8 + length > word(bytes, 8))
-            fail("{}: damaged: GLB chunk {} of {} bytes leaves the file; export it again", file, chunk, length);
-        if (word(bytes, end + 4) != (chunk == 0 ? GLB_JSON : GLB_BIN))
-            fail("{}: damaged: GLB chunk {} is not {}; export it again", file, chunk, chunk == 0 ? "JSON" : "BIN");
-        end += 8 + length;
-    }
-    return {text + 20, word(bytes, 12)};
+    bytes = bytes.first(std::max(word(bytes, 8), 20u));
+    const auto json = chunkAt(file, bytes, 12, GLB_JSON, "JSON");
+    const size_t end = 20 + json.size();
+    if (end + 8 > bytes.size())
+        return {text(json), {}};
+    return {text(json), chunkAt(file, bytes, end, GLB_BIN, "BIN")};
 }
 
 /// Deepest nesting of brackets outside strings. (nlohmann's parser callback would tell, too, but in quadratic time.)
@@ -122,29 +121,74 @@ void checkExtensions(const std::string& file, const json& root)
             warn("{}: the optional extension {} is ignored", file, printable(used));
 }
 
-/// tinygltf's access to external files: only beside the glTF file, and every byte goes into the hash.
-struct ExternalFiles {
-    std::string folder;
-    uint64_t hash;
-};
+/// Bytes of the URIs of a file, by the names that tinygltf is given in their place. It sees no path of the file's.
+using Contents = std::map<std::string, std::vector<uint8_t>>;
 
-bool externalExists(const std::string& path, void* user)
+/// A buffer's bytes: byteLength of them, where the file may have more [glTF 2.0, 3.6.1].
+std::vector<uint8_t> bufferBytes(const File& file, size_t index, const json& buffer, std::span<const uint8_t> binary,
+                                 uint64_t& hash)
 {
-    std::error_code error;
-    const auto& folder = static_cast<ExternalFiles*>(user)->folder;
-    return path.compare(0, folder.size(), folder) == 0 && std::filesystem::is_regular_file(path, error);
+    const auto place = fmt::format("buffers[{}]", index);
+    const auto length = buffer.at("byteLength").get<size_t>();
+    const auto uri = buffer.value("uri", std::string());
+    std::vector<uint8_t> bytes;
+    if (!buffer.contains("uri")) {
+        if (index > 0 || binary.empty())
+            fail("{}: {}: has no uri, and the file no binary chunk for it; export it again", file.name(), place);
+        bytes.assign(binary.begin(), binary.begin() + long(std::min(length, binary.size())));
+    } else if (Resources::isData(uri)) {
+        bytes = file.resources.readData(uri, place);
+    } else {
+        bytes = readBytes(file.resources.resolveUri(uri, place));
+        hash = hashBytes(bytes.data(), bytes.size(), hash);
+    }
+    if (bytes.size() < length)
+        fail("{}: {}: has {} bytes, but byteLength is {}; export it again", file.name(), place, bytes.size(), length);
+    bytes.resize(length);
+    return bytes;
 }
 
-bool readExternal(std::vector<unsigned char>* bytes, std::string* error, const std::string& path, void* user)
+/// Read what the file refers to, and put names of our own in the place of its URIs. A missing image stays missing: only a texture
+/// that needs it minds.
+Contents readContents(const File& file, json& root, std::span<const uint8_t> binary, uint64_t& hash)
 {
-    try {
-        *bytes = readBytes(path);
-    } catch (const std::exception& exception) {
-        *error = exception.what();
-        return false;
+    Contents contents;
+    const auto put = [&](json& object, std::string name, std::vector<uint8_t> bytes) {
+        contents[name] = std::move(bytes);
+        object["uri"] = std::move(name);
+    };
+    json none = json::array();
+    auto& buffers = root.contains("buffers") ? root["buffers"] : none;
+    for (size_t i = 0; i < buffers.size(); ++i)
+        put(buffers[i], fmt::format("buffer{}", i), bufferBytes(file, i, buffers[i], binary, hash));
+    auto& images = root.contains("images") ? root["images"] : none;
+    for (size_t i = 0; i < images.size(); ++i) {
+        auto& image = images[i];
+        if (!image.contains("uri"))
+            continue;
+        const auto place = fmt::format("images[{}]", i), name = fmt::format("image{}", i);
+        const auto uri = image["uri"].get<std::string>();
+        if (Resources::isData(uri)) {
+            put(image, name, file.resources.readData(uri, place));
+            continue;
+        }
+        const auto path = file.resources.resolveUri(uri, place);
+        put(image, name, std::filesystem::exists(path) ? readBytes(path) : std::vector<uint8_t>());
+        hash = hashBytes(contents[name].data(), contents[name].size(), hash);
     }
-    auto& hash = static_cast<ExternalFiles*>(user)->hash;
-    hash = hashBytes(bytes->data(), bytes->size(), hash);
+    return contents;
+}
+
+bool isContent(const std::string& name, void* contents)
+{
+    const auto& known = *static_cast<Contents*>(contents);
+    const auto found = known.find(name);
+    return found != known.end() && !found->second.empty();
+}
+
+bool takeContent(std::vector<unsigned char>* bytes, std::string*, const std::string& name, void* contents)
+{
+    *bytes = std::move(static_cast<Contents*>(contents)->at(name));
     return true;
 }
 
@@ -155,6 +199,17 @@ bool keepEncoded(tinygltf::Image* image, int, std::string*, std::string*, int, i
     if (image->bufferView < 0 && size > 0)
         image->image.assign(bytes, bytes + size);
     return true;
+}
+
+/// At most `bytes` bytes, cut between characters of UTF-8, control characters replaced.
+std::string shortened(std::string_view text, size_t bytes)
+{
+    size_t end = std::min(text.size(), bytes);
+    while (end > 0 && end < text.size() && (uint8_t(text[end]) & 0xc0) == 0x80)
+        --end;
+    std::string line(text.substr(0, end));
+    std::replace_if(line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+    return line;
 }
 
 }  // namespace
@@ -170,15 +225,13 @@ uint64_t hashBytes(const void* bytes, size_t size, uint64_t hash)
 std::string printable(std::string_view text)
 {
     constexpr size_t LONGEST = 200;
-    std::string line(text.substr(0, LONGEST));
-    std::replace_if(line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-    return text.size() > LONGEST ? line + "..." : line;
+    return shortened(text, LONGEST) + (text.size() > LONGEST ? "..." : "");
 }
 
 std::string label(std::string_view kind, size_t index, const std::string& name)
 {
     return name.empty() ? fmt::format("{} {}", kind, index)
-                        : fmt::format("{} {} '{}'", kind, index, printable(std::string_view(name).substr(0, 60)));
+                        : fmt::format("{} {} '{}'", kind, index, shortened(name, 60));
 }
 
 const tinygltf::Value* member(const tinygltf::Value& object, const char* name)
@@ -207,36 +260,30 @@ glm::vec3 color(const tinygltf::Value& object, const char* name, glm::vec3 other
     return {component(0), component(1), component(2)};
 }
 
-File readFile(const std::filesystem::path& path)
+File readFile(const std::filesystem::path& path, bool allowOutside)
 {
-    File file;
-    file.path = path;
+    File file{path, Resources(path, allowOutside)};
     const auto bytes = readBytes(path);
-    const auto text = jsonText(file.name(), bytes);
-    {
-        const auto root = parseJson(file.name(), text);
-        checkStructure(file.name(), root);
-        checkExtensions(file.name(), root);
-    }
+    const auto container = openContainer(file.name(), bytes);
+    auto root = parseJson(file.name(), container.json);
+    checkStructure(file.name(), root);
+    checkExtensions(file.name(), root);
 
-    // An absolute folder keeps tinygltf from falling back to the working directory.
-    ExternalFiles external{std::filesystem::absolute(path).parent_path().string(),
-                           hashBytes(bytes.data(), bytes.size())};
+    file.hash = hashBytes(bytes.data(), bytes.size());
+    std::vector<std::string> imageNames;
+    for (const auto& image : root.value("images", json::array()))
+        imageNames.push_back(image.value("uri", std::string()));
+    auto contents = readContents(file, root, container.binary, file.hash);
     tinygltf::TinyGLTF reader;
     reader.SetImageLoader(keepEncoded, nullptr);
     reader.SetFsCallbacks(
-        {externalExists, [](const std::string& name, void*) { return name; }, readExternal, nullptr, &external});
+        {isContent, [](const std::string& name, void*) { return name; }, takeContent, nullptr, &contents});
     std::string error, warning;
-    bool read = false;
-    if (isBinary(bytes))
-        read = reader.LoadBinaryFromMemory(&file.model, &error, &warning, bytes.data(), unsigned(bytes.size()),
-                                           external.folder);
-    else
-        read = reader.LoadASCIIFromString(&file.model, &error, &warning, text.data(), unsigned(text.size()),
-                                          external.folder);
-    if (!read)
-        fail("{}: damaged: {}; export it again", file.name(), printable(error));
-    file.hash = external.hash;
+    const auto text = root.dump();
+    if (!reader.LoadASCIIFromString(&file.model, &error, &warning, text.data(), unsigned(text.size()), ""))
+        fail("{}: damaged: {}; export it again", file.name(), printable(error.substr(0, error.find('\n'))));
+    for (size_t i = 0; i < file.model.images.size(); ++i)
+        file.model.images[i].uri = Resources::isData(imageNames[i]) ? "" : imageNames[i];
     return file;
 }
 

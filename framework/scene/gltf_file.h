@@ -15,10 +15,31 @@
 
 namespace restirpg::gltf {
 
+/// What a scene file's URIs stand for. A file that is not below the scene's folder, symbolic links followed, is refused
+/// unless the user allows it: a scene from elsewhere must not read what its author could not.
+class Resources {
+public:
+    Resources(const std::filesystem::path& scene, bool allowOutside);
+
+    static bool isData(const std::string& uri);
+
+    /// The bytes of a data URI. `place` names it in errors ("buffers[0]").
+    std::vector<uint8_t> readData(const std::string& uri, const std::string& place) const;
+
+    /// The file that a URI or a plain path names: it may be missing, but is no folder, device or pipe.
+    std::filesystem::path resolveUri(const std::string& uri, const std::string& place) const;
+    std::filesystem::path resolve(std::string_view name, const std::string& place) const;
+
+private:
+    std::filesystem::path scene_, folder_;
+    bool allowOutside_;
+};
+
 /// A glTF file after the structural check: every index of `model` is in range and every buffer view lies in its buffer.
 struct File {
     std::filesystem::path path;
-    tinygltf::Model model;
+    Resources resources;
+    tinygltf::Model model{};
     uint64_t hash = 0;  ///< FNV-1a of the file and of the external files it names
 
     std::string name() const { return path.string(); }
@@ -27,7 +48,10 @@ struct File {
 /// Read and check the container, the JSON and the buffers. Images stay encoded (tinygltf::Image::image) until a
 /// texture needs them. Throws Error for everything that is damaged, hostile or needs an extension that this reader
 /// lacks.
-File readFile(const std::filesystem::path& path);
+File readFile(const std::filesystem::path& path, bool allowOutside);
+
+/// All bytes of a file.
+std::vector<uint8_t> readBytes(const std::filesystem::path& path);
 
 /// Check the JSON against the parts of the glTF schema that the reader relies on: types, array lengths, index
 /// ranges, buffer view ranges. tinygltf ignores optional members of the wrong type and trusts indices; after this
@@ -37,7 +61,7 @@ void checkStructure(const std::string& file, const nlohmann::json& root);
 /// FNV-1a, 64 bit (Fowler, Noll, Vo), continued from `hash`.
 uint64_t hashBytes(const void* bytes, size_t size, uint64_t hash = 0xcbf29ce484222325u);
 
-/// A name from the file fit for one line of a message: control characters replaced, at most 60 characters.
+/// A text from the file, fit for one line of a message.
 std::string printable(std::string_view text);
 
 /// "mesh 3 'Floor'", or "mesh 3" where it has no name.
@@ -48,6 +72,9 @@ std::string label(std::string_view kind, size_t index, const std::string& name);
 /// (TINYGLTF_TYPE_*). Throws Error when it leaves its buffer view, has another type, or holds a NaN or an infinity.
 std::vector<float> readFloats(const File& file, int accessor, const std::string& place,
                               std::initializer_list<int> types);
+
+/// Throws Error when an accessor leaves its buffer view; what it counts is then bounded.
+void checkAccessor(const File& file, int accessor, const std::string& place);
 
 /// All elements of a scalar accessor of unsigned integers.
 std::vector<uint32_t> readIndices(const File& file, int accessor, const std::string& place);
@@ -85,11 +112,17 @@ PngImage decodePng(std::span<const uint8_t> encoded, const CheckSize& check);
 /// Fill scene.materials (one a glTF material, then the default material) and scene.textures.
 void readMaterials(const File& file, Scene& scene);
 
-/// Fill the geometry and scene.meshes, one a glTF mesh; a mesh without triangles stays empty. Needs the materials.
-void readMeshes(const File& file, Scene& scene);
-
-/// Fill nodes, instances, cameras, lights and animation of the default scene. Needs the meshes.
+/// Fill nodes, cameras, lights and animation of the default scene.
 void readNodes(const File& file, Scene& scene);
+
+/// Fill the geometry, meshes and instances that the nodes show. Needs the materials and the nodes.
+void readInstances(const File& file, Scene& scene);
+
+/// A node of the file as a node of the scene.
+Node makeNode(const File& file, size_t index, int parent);
+
+/// Say, once a file, that what deforms meshes stands still.
+void warnOfDeformation(const File& file);
 
 /// Tangents for the vertices of triangles that have normals and texture coordinates but no TANGENT. `uv` are the
 /// normal map's (transformed) coordinates; all arrays are per vertex; every vertex must be used by triangles of one

@@ -11,8 +11,12 @@ namespace restirpg::gltf {
 
 namespace {
 
-/// KHR_materials_ior: 0 asks for total reflection. The nearest physical surface.
+/// KHR_materials_ior: 0 asks for total reflection. The nearest physical surface; a larger ratio differs by less than 0.1%.
 constexpr float TOTALLY_REFLECTING_IOR = 100;
+
+/// Where the specification sets no limit: beyond any use, and so small that products and squares stay finite.
+constexpr float BOUNDLESS = 1e6f;
+constexpr float SHORTEST_ATTENUATION = 1e-20f;
 
 /// An attenuation colour of 0 would mean infinite absorption; this is one part in a million per attenuation distance.
 constexpr float DARKEST_ATTENUATION = 1e-6f;
@@ -40,13 +44,49 @@ TextureInfo extensionInfo(const tinygltf::Value& object, const char* name)
             extensions ? member(*extensions, "KHR_texture_transform") : nullptr};
 }
 
+/// Reads factors within the range that the specification gives each, and remembers what was not, for one warning a file.
+class Factors {
+public:
+    explicit Factors(const File& file) : file_(file) {}
+
+    void enter(std::string place) { place_ = std::move(place); }
+
+    float number(double value, const char* name, float least, float most)
+    {
+        if (!(value >= double(least) && value <= double(most)) && clamped_++ == 0)
+            first_ = fmt::format("{}: {} {:.6g} lies outside of {:g}..{:g}", place_, name, value, least, most);
+        return float(std::clamp(value, double(least), double(most)));
+    }
+
+    glm::vec3 color(const glm::dvec3& value, const char* name, float most)
+    {
+        return {number(value.x, name, 0, most), number(value.y, name, 0, most), number(value.z, name, 0, most)};
+    }
+
+    void report() const
+    {
+        if (clamped_ == 1)
+            warn("{}: {} and is clamped to that range", file_.name(), first_);
+        else if (clamped_ > 1)
+            warn("{}: {} and is clamped to that range, like {} more numbers of the materials", file_.name(), first_,
+                 clamped_ - 1);
+    }
+
+private:
+    const File& file_;
+    std::string place_, first_;
+    size_t clamped_ = 0;
+};
+
 /// uv' = translation * rotation * scale * uv [KHR_texture_transform]. The rotation turns the image clockwise as seen.
-void applyTransform(const tinygltf::Value& transform, TextureRef& ref)
+void applyTransform(const tinygltf::Value& transform, Factors& factors, TextureRef& ref)
 {
     const auto pair = [&](const char* name, glm::vec2 otherwise) {
         const auto* value = member(transform, name);
-        return value && value->ArrayLen() == 2
-            ? glm::vec2(value->Get(0).GetNumberAsDouble(), value->Get(1).GetNumberAsDouble()) : otherwise;
+        const auto component = [&](int i) {
+            return factors.number(value->Get(i).GetNumberAsDouble(), name, -BOUNDLESS, BOUNDLESS);
+        };
+        return value && value->ArrayLen() == 2 ? glm::vec2(component(0), component(1)) : otherwise;
     };
     const auto offset = pair("offset", glm::vec2(0)), scale = pair("scale", glm::vec2(1));
     const float angle = number(transform, "rotation", 0), c = std::cos(angle), s = std::sin(angle);
@@ -56,12 +96,13 @@ void applyTransform(const tinygltf::Value& transform, TextureRef& ref)
 
 class MaterialReader {
 public:
-    MaterialReader(const File& file, Scene& scene) : file_(file), scene_(scene) {}
+    MaterialReader(const File& file, Scene& scene) : file_(file), scene_(scene), factors_(file) {}
 
     Material read(size_t index)
     {
         const auto& source = file_.model.materials[index];
         place_ = label("material", index, source.name);
+        factors_.enter(place_);
         Material material = defaultMaterial();
         readCore(source, material);
         readAlpha(source, material);
@@ -73,6 +114,8 @@ public:
         material.coatAverage = fresnelCoatAverage(material.ior);
         return material;
     }
+
+    void report() const { factors_.report(); }
 
     static Material defaultMaterial()
     {
@@ -99,11 +142,11 @@ private:
     {
         const auto& pbr = source.pbrMetallicRoughness;
         const auto& base = pbr.baseColorFactor;
-        material.baseColor = glm::max(glm::vec3(base[0], base[1], base[2]), 0.0f);
-        material.alpha = float(base[3]);
-        material.metallic = std::clamp(float(pbr.metallicFactor), 0.0f, 1.0f);
-        material.roughness = std::clamp(float(pbr.roughnessFactor), 0.0f, 1.0f);
-        material.normalScale = float(source.normalTexture.scale);
+        material.baseColor = factors_.color({base[0], base[1], base[2]}, "baseColorFactor", 1);
+        material.alpha = factors_.number(base[3], "baseColorFactor", 0, 1);
+        material.metallic = factors_.number(pbr.metallicFactor, "metallicFactor", 0, 1);
+        material.roughness = factors_.number(pbr.roughnessFactor, "roughnessFactor", 0, 1);
+        material.normalScale = factors_.number(source.normalTexture.scale, "normalTexture.scale", -BOUNDLESS, BOUNDLESS);
         material.baseColorMap = reference(coreInfo(pbr.baseColorTexture), true);
         material.metallicRoughnessMap = reference(coreInfo(pbr.metallicRoughnessTexture), false);
         material.normalMap = reference(coreInfo(source.normalTexture), false);
@@ -113,26 +156,22 @@ private:
 
     void readAlpha(const tinygltf::Material& source, Material& material)
     {
-        material.alphaCutoff = float(source.alphaCutoff);
+        material.alphaCutoff = factors_.number(source.alphaCutoff, "alphaCutoff", 0, BOUNDLESS);
         if (source.alphaMode == "BLEND") {
             warn("{}: alphaMode BLEND is treated as MASK with a cutoff of 0.5", file_.name());
             material.alphaCutoff = 0.5f;
         } else if (source.alphaMode != "MASK") {
             return;
         }
-        // A surface that is opaque everywhere is spared the test on every ray.
-        if (material.baseColorMap.index != INVALID_INDEX || material.alpha < material.alphaCutoff)
-            material.flags |= MATERIAL_ALPHA_MASK;
+        material.flags |= MATERIAL_ALPHA_MASK;
     }
 
     void readEmission(const tinygltf::Material& source, Material& material)
     {
         const auto& factor = source.emissiveFactor;
-        material.emission = glm::max(glm::vec3(factor[0], factor[1], factor[2]), 0.0f);
+        material.emission = factors_.color({factor[0], factor[1], factor[2]}, "emissiveFactor", 1);
         if (const auto* strength = extension(source.extensions, "KHR_materials_emissive_strength"))
-            material.emission *= std::max(number(*strength, "emissiveStrength", 1), 0.0f);
-        if (glm::any(glm::greaterThan(material.emission, glm::vec3(1e30f))))
-            fail("{}: {}: emits more than 1e30 W/sr/m^2; lower its emissiveStrength", file_.name(), place_);
+            material.emission *= factors_.number(number(*strength, "emissiveStrength", 1), "emissiveStrength", 0, 1e30f);
         if (material.emission == glm::vec3(0))
             return;
         material.flags |= MATERIAL_EMISSIVE;
@@ -141,19 +180,16 @@ private:
 
     void readSpecular(const tinygltf::Material& source, Material& material)
     {
-        if (const auto* ior = extension(source.extensions, "KHR_materials_ior"))
-            material.ior = number(*ior, "ior", 1.5);
-        if (material.ior == 0) {
+        const auto* extended = extension(source.extensions, "KHR_materials_ior");
+        const float ior = extended ? number(*extended, "ior", 1.5) : 1.5f;
+        if (ior == 0)
             warn("{}: {}: ior 0 (total reflection) is approximated by {}", file_.name(), place_,
                  TOTALLY_REFLECTING_IOR);
-            material.ior = TOTALLY_REFLECTING_IOR;
-        }
-        if (material.ior < 1)
-            fail("{}: {}: ior {} is below 1; set it to the ratio inside over outside", file_.name(), place_,
-                 material.ior);
+        material.ior = ior == 0 ? TOTALLY_REFLECTING_IOR : factors_.number(ior, "ior", 1, TOTALLY_REFLECTING_IOR);
         if (const auto* specular = extension(source.extensions, "KHR_materials_specular")) {
-            material.specular = std::clamp(number(*specular, "specularFactor", 1), 0.0f, 1.0f);
-            material.specularColor = glm::max(color(*specular, "specularColorFactor", glm::vec3(1)), 0.0f);
+            material.specular = factors_.number(number(*specular, "specularFactor", 1), "specularFactor", 0, 1);
+            material.specularColor = factors_.color(color(*specular, "specularColorFactor", glm::vec3(1)),
+                                                    "specularColorFactor", BOUNDLESS);
             material.specularMap = reference(extensionInfo(*specular, "specularTexture"), false);
             material.specularColorMap = reference(extensionInfo(*specular, "specularColorTexture"), true);
         }
@@ -162,21 +198,20 @@ private:
     void readTransmission(const tinygltf::Material& source, Material& material)
     {
         if (const auto* transmission = extension(source.extensions, "KHR_materials_transmission")) {
-            material.transmission = std::clamp(number(*transmission, "transmissionFactor", 0), 0.0f, 1.0f);
+            material.transmission =
+                factors_.number(number(*transmission, "transmissionFactor", 0), "transmissionFactor", 0, 1);
             material.transmissionMap = reference(extensionInfo(*transmission, "transmissionTexture"), false);
         }
         const auto* volume = extension(source.extensions, "KHR_materials_volume");
-        if (!volume || number(*volume, "thicknessFactor", 0) <= 0)
+        if (!volume || factors_.number(number(*volume, "thicknessFactor", 0), "thicknessFactor", 0, 1e30f) == 0)
             return;
         material.flags |= MATERIAL_SOLID;
         if (!member(*volume, "attenuationDistance"))
             return;  // infinite
-        const float distance = number(*volume, "attenuationDistance", 0);
-        if (!(distance > 0))
-            fail("{}: {}: attenuationDistance {} must be above 0; leave it out for clear glass", file_.name(), place_,
-                 distance);
-        const auto through = glm::clamp(color(*volume, "attenuationColor", glm::vec3(1)), DARKEST_ATTENUATION, 1.0f);
-        material.absorption = -glm::log(through) / distance;
+        const float distance = factors_.number(number(*volume, "attenuationDistance", 0), "attenuationDistance",
+                                               SHORTEST_ATTENUATION, 1e30f);
+        const auto through = factors_.color(color(*volume, "attenuationColor", glm::vec3(1)), "attenuationColor", 1);
+        material.absorption = -glm::log(glm::max(through, DARKEST_ATTENUATION)) / distance;
     }
 
     /// KHR_materials_unlit wants a constant colour, which light transport has no place for: a Lambert surface of
@@ -201,7 +236,7 @@ private:
         if (info.index < 0)
             return ref;
         if (info.transform) {
-            applyTransform(*info.transform, ref);
+            applyTransform(*info.transform, factors_, ref);
             info.uvSet = int(number(*info.transform, "texCoord", info.uvSet));
         }
         if (info.uvSet > 1) {
@@ -252,6 +287,7 @@ private:
 
     const File& file_;
     Scene& scene_;
+    Factors factors_;
     std::string place_;
     std::map<std::tuple<int, int, bool>, uint32_t> textures_;  ///< image, sampler, sRGB
 };
@@ -263,6 +299,7 @@ void readMaterials(const File& file, Scene& scene)
     MaterialReader reader(file, scene);
     for (size_t i = 0; i < file.model.materials.size(); ++i)
         scene.materials.push_back(reader.read(i));
+    reader.report();
     scene.materials.push_back(MaterialReader::defaultMaterial());
 }
 

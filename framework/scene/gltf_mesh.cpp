@@ -1,58 +1,12 @@
 // glTF primitives to the scene's triangles.
-#include "scene/gltf_file.h"
+#include "scene/gltf_primitive.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace restirpg::gltf {
 
 namespace {
-
-/// More than fits any GPU; keeps a small file that repeats one large accessor from filling the memory.
-constexpr size_t MOST_TRIANGLES = size_t(1) << 27;
-
-/// Coordinates whose squares and products stay far inside float's range.
-constexpr float FARTHEST = 1e9f;
-
-/// A primitive's arrays as the file has them, before vertices are shared or split.
-struct Source {
-    std::string place;  ///< for messages
-    std::vector<glm::vec3> positions;
-    std::vector<glm::vec3> normals;  ///< empty: flat
-    std::vector<glm::vec4> tangents;  ///< empty: none, or to be generated
-    std::array<std::vector<glm::vec2>, 2> uv;  ///< empty: zeros
-    std::vector<glm::vec3> colors;  ///< empty: ones
-    std::vector<glm::uvec3> triangles;
-    uint32_t material = 0;
-};
-
-/// Regroup floats; a fourth component is dropped where V has three (COLOR_0 with alpha).
-template <typename V>
-std::vector<V> toVectors(const std::vector<float>& values, size_t stride)
-{
-    std::vector<V> vectors(values.size() / stride);
-    for (size_t i = 0; i < vectors.size(); ++i)
-        for (int c = 0; c < V::length(); ++c)
-            vectors[i][c] = values[i * stride + size_t(c)];
-    return vectors;
-}
-
-/// Read an optional attribute; its count must be that of the positions.
-template <typename V>
-std::vector<V> readAttribute(const File& file, const tinygltf::Primitive& primitive, const Source& source,
-                             const char* name, std::initializer_list<int> types)
-{
-    const auto found = primitive.attributes.find(name);
-    if (found == primitive.attributes.end())
-        return {};
-    const auto place = fmt::format("{} {}", source.place, name);
-    const auto& accessor = file.model.accessors[size_t(found->second)];
-    const auto values = readFloats(file, found->second, place, types);
-    const auto stride = size_t(tinygltf::GetNumComponentsInType(uint32_t(accessor.type)));
-    if (!source.positions.empty() && accessor.count != source.positions.size())
-        fail("{}: {}: accessor {} has {} elements for {} positions; export it again", file.name(), place, found->second,
-             accessor.count, source.positions.size());
-    return toVectors<V>(values, stride);
-}
 
 /// Corner lists of triangles, strips and fans [glTF 2.0, 3.7.2.1].
 std::vector<glm::uvec3> assembleTriangles(const std::vector<uint32_t>& corners, int mode)
@@ -71,6 +25,17 @@ std::vector<glm::uvec3> assembleTriangles(const std::vector<uint32_t>& corners, 
         }
     }
     return triangles;
+}
+
+/// Colours beyond 0..1 would reflect more light than arrives, or less than none.
+void clampColors(const File& file, std::vector<glm::vec4>& colors)
+{
+    for (auto& color : colors) {
+        const auto clamped = glm::clamp(color, 0.0f, 1.0f);
+        if (clamped != color)
+            warn("{}: vertex colours outside of 0..1 are clamped to that range", file.name());
+        color = clamped;
+    }
 }
 
 void readTriangles(const File& file, const tinygltf::Primitive& primitive, Source& source)
@@ -98,24 +63,23 @@ Source readPrimitive(const File& file, const tinygltf::Primitive& primitive, con
     source.material = primitive.material < 0 ? defaultMaterial : uint32_t(primitive.material);
     if (primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
         fail("{}: {}: mode {} does not exist; export it again", file.name(), place, primitive.mode);
-    if (primitive.mode < TINYGLTF_MODE_TRIANGLES || !primitive.attributes.count("POSITION")) {
+    if (!hasTriangles(file, primitive)) {
         warn("{}: {}: has no triangles (points, lines or no positions) and is left out", file.name(), place);
         return source;
     }
-    source.positions = readAttribute<glm::vec3>(file, primitive, source, "POSITION", {TINYGLTF_TYPE_VEC3});
+    source.positions = readAttribute<glm::vec3>(file, primitive.attributes, source, "POSITION", {TINYGLTF_TYPE_VEC3});
     for (size_t i = 0; i < source.positions.size(); ++i)
         if (glm::any(glm::greaterThan(glm::abs(source.positions[i]), glm::vec3(FARTHEST))))
             fail("{}: {} POSITION: vertex {} lies beyond {} m; repair the mesh and export it again", file.name(), place,
                  i, FARTHEST);
-    source.normals = readAttribute<glm::vec3>(file, primitive, source, "NORMAL", {TINYGLTF_TYPE_VEC3});
-    source.tangents = readAttribute<glm::vec4>(file, primitive, source, "TANGENT", {TINYGLTF_TYPE_VEC4});
-    source.uv[0] = readAttribute<glm::vec2>(file, primitive, source, "TEXCOORD_0", {TINYGLTF_TYPE_VEC2});
-    source.uv[1] = readAttribute<glm::vec2>(file, primitive, source, "TEXCOORD_1", {TINYGLTF_TYPE_VEC2});
+    source.normals = readAttribute<glm::vec3>(file, primitive.attributes, source, "NORMAL", {TINYGLTF_TYPE_VEC3});
+    source.tangents = readAttribute<glm::vec4>(file, primitive.attributes, source, "TANGENT", {TINYGLTF_TYPE_VEC4});
+    source.uv[0] = readAttribute<glm::vec2>(file, primitive.attributes, source, "TEXCOORD_0", {TINYGLTF_TYPE_VEC2});
+    source.uv[1] = readAttribute<glm::vec2>(file, primitive.attributes, source, "TEXCOORD_1", {TINYGLTF_TYPE_VEC2});
     source.colors =
-        readAttribute<glm::vec3>(file, primitive, source, "COLOR_0", {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4});
+        readAttribute<glm::vec4>(file, primitive.attributes, source, "COLOR_0", {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4});
+    clampColors(file, source.colors);
     readTriangles(file, primitive, source);
-    if (!primitive.targets.empty())
-        warn("{}: morph targets are not animated; the rest shape is shown", file.name());
     return source;
 }
 
@@ -191,7 +155,7 @@ private:
         }
         vertex.uv0 = source_.uv[0].empty() ? glm::vec2(0) : source_.uv[0][corner];
         vertex.uv1 = source_.uv[1].empty() ? glm::vec2(0) : source_.uv[1][corner];
-        vertex.color = source_.colors.empty() ? glm::vec3(1) : glm::max(source_.colors[corner], 0.0f);
+        vertex.color = source_.colors.empty() ? glm::vec4(1) : source_.colors[corner];
         positions_.push_back(source_.positions[corner]);
         attributes_.push_back(vertex);
         if (generated_)
@@ -211,28 +175,54 @@ private:
 
 }  // namespace
 
-void readMeshes(const File& file, Scene& scene)
+bool hasTriangles(const File& file, const tinygltf::Primitive& primitive)
 {
-    const uint32_t defaultMaterial = uint32_t(file.model.materials.size());
-    for (size_t m = 0; m < file.model.meshes.size(); ++m) {
-        const auto& source = file.model.meshes[m];
-        SceneMesh mesh;
-        mesh.name = source.name;
-        mesh.firstVertex = uint32_t(scene.positions.size());
-        mesh.firstTriangle = uint32_t(scene.triangles.size());
-        for (size_t p = 0; p < source.primitives.size(); ++p) {
-            auto place = label("mesh", m, source.name);
-            if (source.primitives.size() > 1)
-                place += fmt::format(" primitive {}", p);
-            const auto primitive = readPrimitive(file, source.primitives[p], place, defaultMaterial);
-            if (scene.triangles.size() + primitive.triangles.size() > MOST_TRIANGLES)
-                fail("{}: {}: more than {} triangles in all; simplify the scene", file.name(), place, MOST_TRIANGLES);
-            PrimitiveBuilder(primitive, scene.materials[primitive.material]).append(scene, mesh.firstVertex);
-        }
-        mesh.vertexCount = uint32_t(scene.positions.size()) - mesh.firstVertex;
-        mesh.triangleCount = uint32_t(scene.triangles.size()) - mesh.firstTriangle;
-        scene.meshes.push_back(mesh);
+    const auto positions = primitive.attributes.find("POSITION");
+    if (primitive.mode < TINYGLTF_MODE_TRIANGLES || positions == primitive.attributes.end())
+        return false;
+    const auto& accessor = file.model.accessors[size_t(positions->second)];
+    return accessor.bufferView >= 0 || accessor.sparse.isSparse || !primitive.targets.empty();
+}
+
+void clearNeedlessMasks(Scene& scene)
+{
+    std::vector<float> leastAlpha(scene.materials.size(), 1);
+    for (const auto& mesh : scene.meshes)
+        for (uint32_t t = mesh.firstTriangle; t < mesh.firstTriangle + mesh.triangleCount; ++t)
+            for (int corner = 0; corner < 3; ++corner) {
+                auto& least = leastAlpha[scene.materialOfTriangle[t]];
+                least = std::min(least, scene.attributes[mesh.firstVertex + scene.triangles[t][corner]].color.a);
+            }
+    for (size_t i = 0; i < scene.materials.size(); ++i) {
+        auto& material = scene.materials[i];
+        if (material.baseColorMap.index == INVALID_INDEX && material.alpha * leastAlpha[i] >= material.alphaCutoff)
+            material.flags &= ~MATERIAL_ALPHA_MASK;
     }
+}
+
+uint32_t addMesh(const File& file, const Shape& shape, const Skin* skin, Scene& scene)
+{
+    const auto& source = file.model.meshes[size_t(shape.mesh)];
+    SceneMesh mesh;
+    mesh.name = source.name;
+    mesh.firstVertex = uint32_t(scene.positions.size());
+    mesh.firstTriangle = uint32_t(scene.triangles.size());
+    for (size_t p = 0; p < source.primitives.size(); ++p) {
+        auto place = label("mesh", size_t(shape.mesh), source.name);
+        if (source.primitives.size() > 1)
+            place += fmt::format(" primitive {}", p);
+        auto primitive = readPrimitive(file, source.primitives[p], place, uint32_t(file.model.materials.size()));
+        if (primitive.triangles.empty())
+            continue;
+        applyMorph(file, source.primitives[p], shape.weights, primitive);
+        if (skin)
+            applySkin(file, source.primitives[p], *skin, primitive);
+        PrimitiveBuilder(primitive, scene.materials[primitive.material]).append(scene, mesh.firstVertex);
+    }
+    mesh.vertexCount = uint32_t(scene.positions.size()) - mesh.firstVertex;
+    mesh.triangleCount = uint32_t(scene.triangles.size()) - mesh.firstTriangle;
+    scene.meshes.push_back(mesh);
+    return uint32_t(scene.meshes.size() - 1);
 }
 
 }  // namespace restirpg::gltf

@@ -1,15 +1,13 @@
-// The node hierarchy of the default scene, and what hangs on it: instances, cameras, lights, animation.
+// The node hierarchy of the default scene, and what hangs on it: cameras, lights, animation.
 #include "scene/gltf_file.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace restirpg::gltf {
 
 namespace {
-
-/// A node scaled to zero is hidden; this hides it as well and keeps its matrix invertible between keys.
-constexpr float SMALLEST_SCALE = 1e-6f;
 
 class NodeReader {
 public:
@@ -23,7 +21,8 @@ public:
         addLights();
         for (const auto& animation : file_.model.animations)
             addAnimation(animation);
-        addInstances();
+        for (const auto& channel : scene_.channels)
+            scene_.duration = std::max(scene_.duration, channel.times.back());
     }
 
 private:
@@ -64,37 +63,9 @@ private:
                 fail("{}: {}: is reached twice (a cycle, or two parents); export it again", file_.name(),
                      label("node", size_t(index), source.name));
             sceneNode_[size_t(index)] = uint32_t(scene_.nodes.size());
-            scene_.nodes.push_back(makeNode(source, index, parent));
+            scene_.nodes.push_back(makeNode(file_, size_t(index), parent));
             push(source.children, int(scene_.nodes.size() - 1));
         }
-    }
-
-    Node makeNode(const tinygltf::Node& source, int index, int parent) const
-    {
-        Node node;
-        node.name = source.name;
-        node.parent = parent;
-        node.gltfIndex = uint32_t(index);
-        const auto vector = [](const std::vector<double>& v) { return glm::vec3(v[0], v[1], v[2]); };
-        if (!source.translation.empty())
-            node.translation = vector(source.translation);
-        if (!source.scale.empty())
-            node.scale = vector(source.scale);
-        if (!source.rotation.empty()) {
-            const auto& r = source.rotation;
-            node.rotation = glm::quat(float(r[3]), float(r[0]), float(r[1]), float(r[2]));
-            if (!(glm::length(node.rotation) > 0))
-                fail("{}: {}: rotation is zero; export it again", file_.name(),
-                     label("node", size_t(index), source.name));
-            node.rotation = glm::normalize(node.rotation);
-        }
-        if (!source.matrix.empty()) {
-            glm::mat4 matrix;
-            for (int i = 0; i < 16; ++i)
-                matrix[i / 4][i % 4] = float(source.matrix[size_t(i)]);
-            node.matrix = matrix;
-        }
-        return node;
     }
 
     /// In the order of the file's nodes, which is how other tools number cameras.
@@ -134,10 +105,11 @@ private:
                 light.intensity[c] *= std::max(float(source.color[size_t(c)]), 0.0f);
             light.innerCone = float(source.spot.innerConeAngle);
             light.outerCone = float(source.spot.outerConeAngle);
-            if (light.type == LIGHT_SPOT &&
-                !(light.innerCone >= 0 && light.innerCone < light.outerCone && light.outerCone < 1.5708f))
+            // As the file has them: in float they may be equal.
+            if (const auto [inner, outer] = std::pair(source.spot.innerConeAngle, source.spot.outerConeAngle);
+                light.type == LIGHT_SPOT && !(inner >= 0 && inner < outer && outer < 1.5708))
                 fail("{}: {}: cone angles {} and {} must satisfy 0 <= inner < outer <= pi/2; set them anew",
-                     file_.name(), label("light", index, source.name), light.innerCone, light.outerCone);
+                     file_.name(), label("light", index, source.name), inner, outer);
             scene_.punctualLights.push_back(light);
         }
     }
@@ -162,9 +134,12 @@ private:
             if (source.target_node < 0 || sceneNode_[size_t(source.target_node)] == INVALID_INDEX)
                 continue;
             const uint32_t node = sceneNode_[size_t(source.target_node)];
-            if (source.target_path == "weights" || scene_.nodes[node].matrix) {
-                warn("{}: {}: a channel that moves {} is ignored", file_.name(), place,
-                     source.target_path == "weights" ? "morph weights" : "a node with a matrix");
+            if (source.target_path == "weights") {
+                warnOfDeformation(file_);
+                continue;
+            }
+            if (scene_.nodes[node].matrix) {
+                warn("{}: {}: a channel that moves a node with a matrix is ignored", file_.name(), place);
                 continue;
             }
             if (size_t(source.sampler) >= animation.samplers.size())
@@ -195,12 +170,19 @@ private:
                  channel.times.size());
         for (size_t i = 0; i < values.size(); i += components)
             channel.values.emplace_back(values[i], values[i + 1], values[i + 2], rotates ? values[i + 3] : 0.0f);
-        if (channel.path == AnimationChannel::Path::scale)
-            for (auto& value : channel.values)
-                for (int c = 0; c < 3 && !cubic; ++c)
-                    value[c] = std::copysign(std::max(std::abs(value[c]), SMALLEST_SCALE), value[c]);
-        scene_.duration = std::max(scene_.duration, channel.times.back());
+        replaceOther(channel, source.target_path);
         scene_.channels.push_back(std::move(channel));
+    }
+
+    /// All animations are played at once; of two channels that move the same, the last in the file is.
+    void replaceOther(const AnimationChannel& channel, const std::string& what)
+    {
+        const auto replaced = std::erase_if(scene_.channels, [&](const auto& other) {
+            return other.node == channel.node && other.path == channel.path;
+        });
+        if (replaced && !std::exchange(warnedOfReplaced_, true))
+            warn("{}: {}: two animations or channels move its {}; the last in the file is played", file_.name(),
+                 label("node", scene_.nodes[channel.node].gltfIndex, scene_.nodes[channel.node].name), what);
     }
 
     AnimationChannel::Path path(const std::string& name, const std::string& place) const
@@ -227,31 +209,42 @@ private:
              printable(name));
     }
 
-    void addInstances()
-    {
-        const auto pose = poseNodes(scene_, 0);
-        for (size_t i = 0; i < scene_.nodes.size(); ++i) {
-            const auto& source = file_.model.nodes[scene_.nodes[i].gltfIndex];
-            if (source.skin >= 0)
-                warn("{}: skins are not animated; the rest pose is shown", file_.name());
-            if (source.mesh < 0 || scene_.meshes[size_t(source.mesh)].triangleCount == 0)
-                continue;
-            const auto inverse = glm::inverse(pose[i]);
-            if (!std::isfinite(glm::dot(inverse[0] + inverse[1] + inverse[2] + inverse[3], glm::vec4(1)))) {
-                warn("{}: {}: its matrix has no inverse; its mesh is left out", file_.name(),
-                     label("node", scene_.nodes[i].gltfIndex, source.name));
-                continue;
-            }
-            scene_.instances.push_back({uint32_t(source.mesh), uint32_t(i)});
-        }
-    }
-
     const File& file_;
     Scene& scene_;
+    bool warnedOfReplaced_ = false;
     std::vector<uint32_t> sceneNode_;  ///< of each glTF node, INVALID_INDEX: not in the default scene
 };
 
 }  // namespace
+
+Node makeNode(const File& file, size_t index, int parent)
+{
+    const auto& source = file.model.nodes[index];
+    Node node;
+    node.name = source.name;
+    node.parent = parent;
+    node.gltfIndex = uint32_t(index);
+    const auto vector = [](const std::vector<double>& v) { return glm::vec3(v[0], v[1], v[2]); };
+    if (!source.translation.empty())
+        node.translation = vector(source.translation);
+    if (!source.scale.empty())
+        node.scale = vector(source.scale);
+    if (!source.rotation.empty()) {
+        const auto& r = source.rotation;
+        node.rotation = glm::quat(float(r[3]), float(r[0]), float(r[1]), float(r[2]));
+        if (!(glm::length(node.rotation) > 0))
+            fail("{}: {}: rotation is zero; export it again", file.name(),
+                 label("node", index, source.name));
+        node.rotation = glm::normalize(node.rotation);
+    }
+    if (!source.matrix.empty()) {
+        glm::mat4 matrix;
+        for (int i = 0; i < 16; ++i)
+            matrix[i / 4][i % 4] = float(source.matrix[size_t(i)]);
+        node.matrix = matrix;
+    }
+    return node;
+}
 
 void readNodes(const File& file, Scene& scene)
 {

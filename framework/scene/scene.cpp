@@ -46,7 +46,7 @@ glm::vec4 valueAt(const AnimationChannel& channel, float time)
     const bool cubic = channel.interpolation == AnimationChannel::Interpolation::cubicSpline;
     const auto keyValue = [&](size_t key) { return channel.values[cubic ? 3 * key + 1 : key]; };
     const auto& times = channel.times;
-    if (time <= times.front())
+    if (!(time > times.front()))  // nor is NaN
         return keyValue(0);
     if (time >= times.back())
         return keyValue(times.size() - 1);
@@ -64,14 +64,66 @@ glm::vec4 valueAt(const AnimationChannel& channel, float time)
     return {rotation.x, rotation.y, rotation.z, rotation.w};
 }
 
+/// Thickness of what is flat, in parts of its extent; and the extent of a point, m.
+constexpr float THINNEST = 1e-6f;
+constexpr float SMALLEST = 1e-9f;
+
+/// Entries of a node's matrix beyond this are beyond float's squares.
+constexpr float LARGEST = 1e15f;
+
+/// The longest of three vectors.
+glm::vec3 longest(glm::vec3 a, glm::vec3 b, glm::vec3 c)
+{
+    const float aa = glm::dot(a, a), bb = glm::dot(b, b), cc = glm::dot(c, c);
+    return aa >= bb && aa >= cc ? a : bb >= cc ? b : c;
+}
+
+/// A unit vector perpendicular to another.
+glm::vec3 perpendicular(glm::vec3 v)
+{
+    return glm::normalize(longest(glm::cross(v, glm::vec3(1, 0, 0)), glm::cross(v, glm::vec3(0, 1, 0)),
+                                  glm::cross(v, glm::vec3(0, 0, 1))));
+}
+
+/// The direction that a matrix's images have no part in, for the columns of a matrix whose longest is of unit length; a direction
+/// perpendicular to the columns where all of them are parallel.
+glm::vec3 missingDirection(const glm::mat3& m)
+{
+    const auto normal = longest(glm::cross(m[0], m[1]), glm::cross(m[1], m[2]), glm::cross(m[2], m[0]));
+    return glm::length(normal) > 0.3f * THINNEST ? glm::normalize(normal) : perpendicular(longest(m[0], m[1], m[2]));
+}
+
+/// A matrix that has an inverse as it is. Of one scaled by 0 along an axis or more (valid glTF: a flat or a hidden mesh), what is flat
+/// is made THINNEST instead.
+glm::mat4 invertible(const glm::mat4& matrix)
+{
+    const glm::mat3 given(matrix);
+    const float extent = glm::length(longest(given[0], given[1], given[2]));
+    const auto placed = [&](const glm::mat3& m) {
+        return glm::mat4(glm::vec4(m[0], 0), glm::vec4(m[1], 0), glm::vec4(m[2], 0), matrix[3]);
+    };
+    if (!(extent > 1e-3f * SMALLEST))
+        return placed(glm::mat3(SMALLEST));
+    auto m = given / extent;
+    const auto isFlat = [](const glm::mat3& m) { return std::abs(glm::determinant(m)) < 0.1f * THINNEST * THINNEST; };
+    if (!isFlat(m))
+        return matrix;
+    // Once for a flat matrix, twice for one whose images lie on a line.
+    for (int i = 0; i < 2 && isFlat(m); ++i) {
+        const auto thickness = THINNEST * glm::outerProduct(missingDirection(m), missingDirection(glm::transpose(m)));
+        m += glm::determinant(m + thickness) < 0 ? -thickness : thickness;
+    }
+    return placed(m * extent);
+}
+
+}  // namespace
+
 glm::mat4 localMatrix(const Node& node)
 {
     if (node.matrix)
         return *node.matrix;
     return glm::scale(glm::translate(glm::mat4(1), node.translation) * glm::mat4_cast(node.rotation), node.scale);
 }
-
-}  // namespace
 
 glm::vec4 Texture::texel(uint32_t x, uint32_t y) const
 {
@@ -143,6 +195,13 @@ std::vector<glm::mat4> poseNodes(const Scene& scene, float time, const std::vect
     for (size_t i = 0; i < nodes.size(); ++i) {
         const auto local = i < overrides.size() && overrides[i] ? *overrides[i] : localMatrix(nodes[i]);
         pose[i] = nodes[i].parent < 0 ? local : pose[size_t(nodes[i].parent)] * local;
+    }
+    for (size_t i = 0; i < nodes.size(); ++i) {
+        for (int column = 0; column < 4; ++column)
+            if (!glm::all(glm::lessThan(glm::abs(pose[i][column]), glm::vec4(LARGEST))))
+                fail("{}: node {} '{}': its matrix exceeds {} at {} s; mend its animation", scene.file.string(), i, nodes[i].name,
+                     LARGEST, time);
+        pose[i] = invertible(pose[i]);
     }
     return pose;
 }

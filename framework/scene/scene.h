@@ -125,8 +125,12 @@ struct Scene {
     uint64_t instancedTriangleCount() const;
 };
 
+/// A node's matrix towards its parent.
+glm::mat4 localMatrix(const Node& node);
+
 /// World matrices of all nodes at a time, in the order of Scene::nodes. Times outside a channel's keys are clamped.
-/// `overrides` (empty, or one a node) replaces the local matrix of a node that a user moved.
+/// Every one has an inverse: what is scaled to nothing becomes thinner than anything seen instead. Throws Error where one is not
+/// finite. `overrides` (empty, or one a node) replaces the local matrix of a node that a user moved.
 std::vector<glm::mat4> poseNodes(const Scene& scene, float time,
                                  const std::vector<std::optional<glm::mat4>>& overrides = {});
 

@@ -61,7 +61,7 @@ struct Material {
     float transmission;
     float ior;
     float coatAverage;  ///< cosine-weighted mean over the hemisphere of (F(cos) - F0) / (1 - F0) for this ior
-    float alpha;  ///< baseColorFactor.a
+    float alpha;  ///< baseColorFactor.a; the vertex colour's and the texture's multiply it
     float alphaCutoff;
     float normalScale;
     uint flags;  ///< MATERIAL_*
@@ -81,7 +81,7 @@ struct VertexAttributes {
     vec4 tangent;  ///< w: sign of the bitangent; all zero: no tangent
     vec2 uv0;
     vec2 uv1;
-    vec3 color;  ///< linear COLOR_0, 1 when absent
+    vec4 color;  ///< linear COLOR_0, its alpha in a; 1 when absent
 };
 
 /// One glTF mesh, all of its primitives: a range of the global index and vertex arrays.

@@ -10,7 +10,7 @@ struct Surface {
     vec3 position;
     vec3 geometric_normal;
     vec3 shading_normal;  ///< interpolated; the normal map is applied by evaluate_material
-    vec4 tangent;  ///< w: sign of the bitangent; 0: no tangent
+    vec4 tangent;  ///< w: sign of the bitangent in world space; 0: no tangent
     vec2 uv0;
     vec2 uv1;
     vec3 color;  ///< vertex colour
@@ -48,10 +48,11 @@ Surface load_surface(Hit hit, bool previous)
     if (dot(s.shading_normal, s.geometric_normal) <= 0.0 || isnan(s.shading_normal.x))
         s.shading_normal = s.geometric_normal;
     vec4 tangent = weight.x * a.tangent + weight.y * b.tangent + weight.z * c.tangent;
-    s.tangent = vec4(mat3(to_world) * tangent.xyz, tangent.w);
+    // A mirroring matrix turns the cross product of normal and tangent round: det(M) (M^-T n) x (M t) = M (n x t) for orthogonal M.
+    s.tangent = vec4(mat3(to_world) * tangent.xyz, placed.flipped != 0u ? -tangent.w : tangent.w);
     s.uv0 = weight.x * a.uv0 + weight.y * b.uv0 + weight.z * c.uv0;
     s.uv1 = weight.x * a.uv1 + weight.y * b.uv1 + weight.z * c.uv1;
-    s.color = weight.x * a.color + weight.y * b.color + weight.z * c.color;
+    s.color = weight.x * a.color.rgb + weight.y * b.color.rgb + weight.z * c.color.rgb;
     s.material = UintArray(SCENE.materialOfTriangle).at[mesh.firstTriangle + hit.triangle];
     s.instance = hit.instance;
     s.triangle = hit.triangle;

@@ -21,11 +21,13 @@ bool passes_alpha_mask(uint instance, uint triangle, vec2 barycentrics)
     Material material = MaterialArray(SCENE.materials).at[UintArray(SCENE.materialOfTriangle).at[mesh.firstTriangle + triangle]];
     if ((material.flags & MATERIAL_ALPHA_MASK) == 0u)
         return true;
-    float alpha = material.alpha;
+    uvec3 index = Uvec3Array(SCENE.indices).at[mesh.firstTriangle + triangle] + mesh.firstVertex;
+    AttributesArray attributes = AttributesArray(SCENE.attributes);
+    vec3 corner = vec3(attributes.at[index.x].color.a, attributes.at[index.y].color.a, attributes.at[index.z].color.a);
+    // Differences, so that equal corners give exactly their alpha: it may equal the cutoff.
+    float alpha = material.alpha * (corner.x + dot(barycentrics, corner.yz - corner.x));
     if (material.baseColorMap.index != INVALID_INDEX) {
-        uvec3 index = Uvec3Array(SCENE.indices).at[mesh.firstTriangle + triangle] + mesh.firstVertex;
         vec3 weight = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
-        AttributesArray attributes = AttributesArray(SCENE.attributes);
         vec2 uv0 = mat3x2(attributes.at[index.x].uv0, attributes.at[index.y].uv0, attributes.at[index.z].uv0) * weight;
         vec2 uv1 = mat3x2(attributes.at[index.x].uv1, attributes.at[index.y].uv1, attributes.at[index.z].uv1) * weight;
         alpha *= fetch_texture(material.baseColorMap, uv0, uv1).a;

@@ -110,7 +110,7 @@ TEST(Accessors, QuantizedAndStridedAttributesKeepTheirValues)
     const auto scene = load(geometryScene());
     EXPECT_EQ(corners(scene, 0), (std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
     EXPECT_EQ(scene.attributes[0].normal, glm::vec3(0, 0, 1));
-    EXPECT_EQ(scene.attributes[1].color, glm::vec3(0, 1, 0));
+    EXPECT_EQ(scene.attributes[1].color, glm::vec4(0, 1, 0, 1));
 }
 
 TEST(Geometry, StripsAlternateTheirWinding)

@@ -144,7 +144,7 @@ TEST(Hostile, CountsBeyondTheBufferAreNamed)
             positionsOf(b).erase("bufferView");
             positionsOf(b)["count"] = 2000000000;
         },
-        {"no data", "POSITION"});
+        {"no triangles"});
     expectError([](auto& b) { b.json["bufferViews"][0]["byteLength"] = 1000000; }, {"bufferViews[0]", "1000000"});
     expectError([](auto& b) { b.json["bufferViews"][0]["byteOffset"] = 2000000000; }, {"bufferViews[0]"});
     expectError([](auto& b) { b.json["buffers"] = {{{"byteLength", 2000000000}}}; }, {"byteLength"});
@@ -270,6 +270,62 @@ TEST(Hostile, UnsupportedRequiredExtensionsAreNamed)
 {
     expectError([](auto& b) { b.json["extensionsRequired"] = {"EXT_meshopt_compression"}; },
                 {"EXT_meshopt_compression"});
+}
+
+TEST(Hostile, NamesAreCutBetweenCharacters)
+{
+    for (size_t first = 0; first < 4; ++first) {
+        auto builder = squareScene();
+        std::string name(first, 'x');
+        for (int i = 0; i < 100; ++i)
+            name += "\u5e8a";
+        builder.json["meshes"][0]["name"] = name;
+        primitiveOf(builder)["mode"] = 9;
+        // Strict: throws on a character cut in two.
+        EXPECT_NO_THROW(json(errorOf(builder)).dump()) << first;
+    }
+}
+
+TEST(Hostile, AskingForMoreThanTheMemoryIsRefusedBeforeItIsTaken)
+{
+    // A sparse accessor counts what the file does not hold.
+    auto builder = squareScene();
+    auto sparse = positionsOf(builder);
+    sparse.erase("bufferView");
+    sparse["count"] = 1 << 24;
+    sparse["sparse"] = {
+        {"count", 1},
+        {"indices", {{"bufferView", builder.addView(std::vector<uint16_t>{1}.data(), 2)}, {"componentType", UNSIGNED_SHORT}}},
+        {"values", {{"bufferView", builder.addView(std::vector<float>{3, 0, 0}.data(), 12)}}}};
+    const json primitive = {{"attributes", {{"POSITION", builder.addAccessorJson(sparse)}}}};
+    builder.json["meshes"][0]["primitives"] = json::array();
+    for (int i = 0; i < 24; ++i)
+        builder.json["meshes"][0]["primitives"].push_back(primitive);
+    EXPECT_NE(errorOf(builder).find("memory"), std::string::npos);
+    builder.json["meshes"][0]["primitives"].push_back(primitive);
+    EXPECT_NE(errorOf(builder).find("triangles are more than"), std::string::npos);
+    // Without a sparse part all of them lie at the origin.
+    expectError(
+        [](auto& b) {
+            positionsOf(b).erase("bufferView");
+            positionsOf(b)["count"] = 1 << 24;
+            primitiveOf(b)["attributes"] = {{"POSITION", primitiveOf(b)["attributes"]["POSITION"]}};
+        },
+        {"no triangles"});
+}
+
+TEST(Hostile, SmallFilesOfManyInstancesAreRefused)
+{
+    GltfBuilder builder;
+    const std::vector<float> corners = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    std::vector<uint32_t> indices(3 << 18);
+    for (size_t i = 0; i < indices.size(); ++i)
+        indices[i] = uint32_t(i % 3);
+    builder.addMesh({{"attributes", {{"POSITION", builder.addAccessor(corners, FLOAT, "VEC3")}}},
+                     {"indices", builder.addAccessor(indices, UNSIGNED_INT, "SCALAR")}});
+    for (int i = 0; i < 2049; ++i)
+        builder.addNode({{"mesh", 0}});
+    EXPECT_NE(errorOf(builder).find("every instance counted"), std::string::npos);
 }
 
 TEST(Hostile, MessagesStayOneLineWhateverTheNames)

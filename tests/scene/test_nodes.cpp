@@ -1,12 +1,14 @@
 // Nodes, cameras, lights of the file, animation, and what is added when something is missing.
 #include "gltf_builder.h"
 
+#include "core/log.h"
 #include "image/image.h"
 #include "scene/gltf.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 using namespace restirpg;
@@ -92,12 +94,45 @@ TEST(Nodes, AHundredThousandLevelsNeedNoStack)
     EXPECT_EQ(load(builder).nodes.size(), 100001u) << "and the default camera's";
 }
 
-TEST(Nodes, SingularMatricesHideTheirMesh)
+TEST(Nodes, EveryMatrixHasAnInverseAndFlatMeshesStayWhereTheyAre)
+{
+    const auto turn = glm::mat3(glm::rotate(glm::mat4(1), 0.7f, glm::normalize(glm::vec3(1, 2, 3))));
+    const auto scaled = [](float x, float y, float z) {
+        return glm::mat3(glm::vec3(x, 0, 0), glm::vec3(0, y, 0), glm::vec3(0, 0, z));
+    };
+    const std::vector<glm::mat3> matrices = {scaled(2, 2, 0), scaled(0, 1, 1), scaled(-3, 0, 1), scaled(0, 0, 1), scaled(0, 0, 0),
+                                             turn * scaled(1, 0, 1), scaled(1, 1, 0) * turn, turn * scaled(0, 0, 5) * turn,
+                                             1e-5f * scaled(1, 0, 1), scaled(1e4f, 1e4f, 0), glm::mat3(1e-7f)};
+    for (const auto& matrix : matrices) {
+        auto builder = squareScene();
+        json columns = json::array();
+        for (int column = 0; column < 4; ++column)
+            for (int row = 0; row < 4; ++row)
+                columns.push_back(row < 3 && column < 3 ? matrix[column][row] : row == column ? 1.0f : 0.0f);
+        builder.addNode({{"mesh", 0}, {"matrix", columns}});
+        const auto scene = load(builder);
+        ASSERT_EQ(scene.instances.size(), 2u);
+        const auto pose = glm::mat3(poseNodes(scene, 0)[scene.instances[1].node]);
+        const auto product = pose * glm::inverse(pose);
+        const float largest = glm::length(matrix[0]) + glm::length(matrix[1]) + glm::length(matrix[2]);
+        for (int i = 0; i < 3; ++i) {
+            EXPECT_NEAR(product[i][i], 1, 0.01f);
+            expectNear(pose[i], matrix[i], 1e-8f + 2e-6f * largest);
+        }
+    }
+}
+
+TEST(Nodes, AMeshScaledFromNothingIsThereWhenItGrows)
 {
     auto builder = squareScene();
-    builder.addNode({{"mesh", 0}, {"scale", {1, 0, 1}}});
-    builder.addNode({{"mesh", 0}, {"matrix", std::vector<float>(16, 0)}});
-    EXPECT_EQ(load(builder).instances.size(), 1u);
+    const int times = builder.addAccessor(std::vector<float>{0, 1}, FLOAT, "SCALAR");
+    const int scales = builder.addAccessor(std::vector<float>{0, 0, 0, 2, 2, 2}, FLOAT, "VEC3");
+    builder.json["animations"] = {{{"samplers", {{{"input", times}, {"output", scales}}}},
+                                   {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "scale"}}}}}}}};
+    const auto scene = load(builder);
+    ASSERT_EQ(scene.instances.size(), 1u);
+    expectNear(transform(poseOf(scene, 0, 0.5f), {1, 1, 0}), {1, 1, 0});
+    EXPECT_GT(glm::length(glm::vec3(poseOf(scene, 0, 0)[0])), 0);
 }
 
 TEST(Nodes, OverridesReplaceTheLocalMatrix)
@@ -172,6 +207,42 @@ TEST(Animation, DamagedKeysAreErrors)
     EXPECT_NE(errorOf(builder).find("ascend"), std::string::npos);
 }
 
+TEST(Animation, OfTwoThatMoveTheSameTheLastIsPlayedAndThatIsSaid)
+{
+    auto builder = squareScene();
+    const int times = builder.addAccessor(std::vector<float>{0, 1}, FLOAT, "SCALAR");
+    const int late = builder.addAccessor(std::vector<float>{0, 9}, FLOAT, "SCALAR");
+    const auto animation = [&](float x, int input) {
+        const int moves = builder.addAccessor(std::vector<float>{x, 0, 0, x, 0, 0}, FLOAT, "VEC3");
+        return json{{"samplers", {{{"input", input}, {"output", moves}}}},
+                    {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}};
+    };
+    builder.json["animations"] = {animation(1, late), animation(2, times)};
+    const auto scene = loadGltf(builder.write(scratch() / "twice.glb"));
+    expectNear(transform(poseOf(scene, 0), {0, 0, 0}), {2, 0, 0});
+    EXPECT_EQ(scene.duration, 1) << "the one that is not played does not count";
+    const auto said = saidWarnings();
+    EXPECT_EQ(std::count_if(said.begin(), said.end(), [](const auto& text) {
+        return text.find("twice.glb: node 0: two animations or channels move its translation") != text.npos;
+    }), 1);
+}
+
+TEST(Animation, KeysThatOverflowAreAnErrorWhereTheyDo)
+{
+    auto builder = squareScene();
+    const int times = builder.addAccessor(std::vector<float>{0, 1}, FLOAT, "SCALAR");
+    std::vector<float> spline(18, 0.0f);
+    spline[6] = 3.4e38f;  // the first key's out-tangent
+    spline[9] = -3.4e38f;  // the second key's in-tangent
+    const int moves = builder.addAccessor(spline, FLOAT, "VEC3");
+    builder.json["animations"] = {
+        {{"samplers", {{{"input", times}, {"output", moves}, {"interpolation", "CUBICSPLINE"}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}}};
+    const auto scene = load(builder);
+    EXPECT_NE(errorOf([&] { poseNodes(scene, 0.5f); }).find("node 0"), std::string::npos);
+    EXPECT_EQ(poseNodes(scene, NAN).size(), scene.nodes.size()) << "as at time 0";
+}
+
 TEST(Cameras, LookAlongTheirNodesMinusZ)
 {
     const auto scene = load(animatedScene());
@@ -224,6 +295,9 @@ TEST(FileLights, ArriveWithTypeColourAndCone)
     auto builder = animatedScene();
     builder.json["extensions"]["KHR_lights_punctual"]["lights"][1]["spot"]["innerConeAngle"] = 0.4;
     EXPECT_NE(errorOf(builder).find("cone angles"), std::string::npos);
+    // Below by less than a float can tell.
+    builder.json["extensions"]["KHR_lights_punctual"]["lights"][1]["spot"]["innerConeAngle"] = 0.4 - 1e-12;
+    EXPECT_EQ(load(builder).punctualLights.size(), 3u);
 }
 
 TEST(Environments, ComeFromTheAssetsExtras)
