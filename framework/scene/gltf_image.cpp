@@ -72,10 +72,29 @@ void decodeJpegInto(const File& file, const std::string& place, std::span<const 
     texture.height = image.height;
 }
 
-/// The first bytes that every file of a format has.
-bool beginsWith(std::span<const uint8_t> encoded, std::string_view magic)
+/// The bytes that every file of a format has at one place.
+bool hasMagic(std::span<const uint8_t> encoded, std::string_view magic, size_t offset = 0)
 {
-    return encoded.size() >= magic.size() && std::memcmp(encoded.data(), magic.data(), magic.size()) == 0;
+    return encoded.size() >= offset + magic.size() &&
+           std::memcmp(encoded.data() + offset, magic.data(), magic.size()) == 0;
+}
+
+/// The name of a format that this reader lacks.
+const char* formatOf(std::span<const uint8_t> encoded)
+{
+    struct Format {
+        const char* name;
+        std::string_view magic;
+        size_t offset;
+    };
+    static constexpr Format FORMATS[] = {{"WebP", "WEBP", 8}, {"KTX2", "KTX 20", 1}, {"AVIF", "ftypavif", 4},
+                                         {"HEIF", "ftyphei", 4}, {"GIF", "GIF8", 0}, {"BMP", "BM", 0}, {"TIFF", "II*", 0},
+                                         {"TIFF", "MM", 0}, {"DDS", "DDS ", 0}, {"OpenEXR", "v/1\x01", 0},
+                                         {"Radiance HDR", "#?", 0}, {"JPEG XL", "JXL ", 4}, {"JPEG 2000", "jP  ", 4}};
+    for (const auto& format : FORMATS)
+        if (hasMagic(encoded, format.magic, format.offset))
+            return format.name;
+    return "damaged or of an unknown format";
 }
 
 }  // namespace
@@ -87,12 +106,12 @@ void decodeImage(const File& file, int index, Texture& texture)
     const auto encoded = encodedBytes(file, image);
     if (encoded.empty())
         fail("{}: {}: cannot be read; put the file beside the scene", file.name(), place);
-    if (beginsWith(encoded, "\xff\xd8"))
+    if (hasMagic(encoded, "\xff\xd8"))
         decodeJpegInto(file, place, encoded, texture);
-    else if (beginsWith(encoded, "\x89PNG\r\n\x1a\n"))
+    else if (hasMagic(encoded, "\x89PNG\r\n\x1a\n"))
         decodePngInto(file, place, encoded, texture);
     else
-        fail("{}: {}: is not a PNG or JPEG; save the image again", file.name(), place);
+        fail("{}: {}: is {}, not a PNG or JPEG; save the image as one of them", file.name(), place, formatOf(encoded));
 }
 
 }  // namespace restirpg::gltf

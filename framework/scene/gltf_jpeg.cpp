@@ -51,6 +51,18 @@ void limitScans(j_common_ptr codec)
     std::longjmp(managerOf(codec).escape, 1);
 }
 
+/// CMYK to RGBA in place: each ink takes its share of the light. Files with Adobe's marker hold 255 minus the ink.
+void inksToRgba(std::span<uint8_t> row, bool inverted)
+{
+    for (size_t i = 0; i < row.size(); i += 4) {
+        const auto passed = [&](size_t ink) { return uint32_t(inverted ? row[i + ink] : 255 - row[i + ink]); };
+        const uint32_t black = passed(3);
+        for (size_t c = 0; c < 3; ++c)
+            row[i + c] = uint8_t((passed(c) * black + 127) / 255);
+        row[i + 3] = 255;
+    }
+}
+
 /// The part between setjmp and longjmp: no object with a destructor may live here.
 bool decompress(jpeg_decompress_struct& codec, ErrorManager& manager, std::span<const uint8_t> encoded,
                 const CheckSize& check, std::vector<uint8_t>& rgba)
@@ -62,12 +74,16 @@ bool decompress(jpeg_decompress_struct& codec, ErrorManager& manager, std::span<
     jpeg_mem_src(&codec, encoded.data(), static_cast<unsigned long>(encoded.size()));
     jpeg_read_header(&codec, TRUE);
     check(codec.image_width, codec.image_height, false);
-    codec.out_color_space = JCS_EXT_RGBA;
+    // libjpeg turns YCCK into CMYK, but no ink into light: that is done row by row.
+    const bool inks = codec.jpeg_color_space == JCS_CMYK || codec.jpeg_color_space == JCS_YCCK;
+    codec.out_color_space = inks ? JCS_CMYK : JCS_EXT_RGBA;
     jpeg_start_decompress(&codec);
     rgba.resize(size_t(codec.output_width) * codec.output_height * 4);
     while (codec.output_scanline < codec.output_height) {
         JSAMPROW row = rgba.data() + size_t(codec.output_scanline) * codec.output_width * 4;
         jpeg_read_scanlines(&codec, &row, 1);
+        if (inks)
+            inksToRgba({row, size_t(codec.output_width) * 4}, codec.saw_Adobe_marker);
     }
     jpeg_finish_decompress(&codec);
     return true;

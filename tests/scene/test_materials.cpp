@@ -307,6 +307,36 @@ TEST(Textures, SixteenBitImagesKeepTheirPrecision)
     expectNear(scene.textures[0].sample({0, 0}), {1, 32768.0f / 65535, 1.0f / 65535}, 1e-7f);
 }
 
+TEST(Textures, CmykJpegsAreTheLightThatTheirInksLetThrough)
+{
+    // 8 x 8, stored values 200, 100, 50, 220. With Adobe's marker these are 255 minus the ink.
+    const std::string jpeg =
+        "/9j/7gAOQWRvYmUAZAAAAAAA/9sAQwACAQEBAQECAQEBAgICAgIEAwICAgIFBAQDBAYFBgYGBQYGBgcJCAYHCQcGBggLCAkKCgoKCgYICwwL"
+        "CgwJCgoK/8AAFAgACAAIBEMRAE0RAFkRAEsRAP/EAB8AAAEFAQEBAQEBAAAAAAAAAAABAgMEBQYHCAkKC//EALUQAAIBAwMCBAMFBQQEAAAB"
+        "fQECAwAEEQUSITFBBhNRYQcicRQygZGhCCNCscEVUtHwJDNicoIJChYXGBkaJSYnKCkqNDU2Nzg5OkNERUZHSElKU1RVVldYWVpjZGVmZ2hp"
+        "anN0dXZ3eHl6g4SFhoeIiYqSk5SVlpeYmZqio6Slpqeoqaqys7S1tre4ubrCw8TFxsfIycrS09TV1tfY2drh4uPk5ebn6Onq8fLz9PX29/j5"
+        "+v/aAA4EQwBNAFkASwAAPwD9IK8Pr8x6/XCv/9k=";
+    // Without: the marker, 16 bytes behind the first two, goes; base64 of 18 bytes is 24 characters.
+    for (const auto& [text, expected] :
+         {std::pair(jpeg, glm::vec3(200 * 220, 100 * 220, 50 * 220)), std::pair("/9j/" + jpeg.substr(24), glm::vec3(55 * 35, 155 * 35, 205 * 35))}) {
+        auto builder = withMaterial({{"normalTexture", {{"index", 0}}}});
+        builder.json["images"] = {{{"uri", "data:image/png;base64," + text}}};
+        builder.json["textures"] = {{{"source", 0}}};
+        expectNear(glm::vec3(load(builder).textures[0].sample({0.5f, 0.5f})), expected / (255.0f * 255), 0.012f);
+    }
+}
+
+TEST(Textures, OtherFormatsAreNamed)
+{
+    for (const auto& [bytes, name] : {std::pair(std::string("RIFF\x10\0\0\0WEBPVP8 ", 16), "WebP"),
+                                      std::pair(std::string("GIF89a0123456789"), "GIF")}) {
+        auto builder = withMaterial({{"normalTexture", {{"index", 0}}}});
+        builder.addTexture({bytes.begin(), bytes.end()});
+        const auto message = errorOf(builder);
+        EXPECT_NE(message.find(fmt::format("image 0: is {}, not a PNG or JPEG", name)), message.npos) << message;
+    }
+}
+
 TEST(Textures, TransformIsTranslationTimesRotationTimesScale)
 {
     const auto map = load(texturedScene()).materials[0].baseColorMap;
