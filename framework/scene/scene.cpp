@@ -64,8 +64,8 @@ glm::vec4 valueAt(const AnimationChannel& channel, float time)
     return {rotation.x, rotation.y, rotation.z, rotation.w};
 }
 
-/// Thickness of what is flat, in parts of its extent; and the extent of a point, m.
-constexpr float THINNEST = 1e-6f;
+/// Thickness of what is flat, in parts of its extent: above float's rounding. And the extent of what is a line or a point, m.
+constexpr float THINNEST = 1e-5f;
 constexpr float SMALLEST = 1e-9f;
 
 /// Entries of a node's matrix beyond this are beyond float's squares.
@@ -78,23 +78,22 @@ glm::vec3 longest(glm::vec3 a, glm::vec3 b, glm::vec3 c)
     return aa >= bb && aa >= cc ? a : bb >= cc ? b : c;
 }
 
-/// A unit vector perpendicular to another.
-glm::vec3 perpendicular(glm::vec3 v)
-{
-    return glm::normalize(longest(glm::cross(v, glm::vec3(1, 0, 0)), glm::cross(v, glm::vec3(0, 1, 0)),
-                                  glm::cross(v, glm::vec3(0, 0, 1))));
-}
-
-/// The direction that a matrix's images have no part in, for the columns of a matrix whose longest is of unit length; a direction
-/// perpendicular to the columns where all of them are parallel.
+/// Perpendicular to all three columns of a matrix of rank 2; of no length where they are parallel.
 glm::vec3 missingDirection(const glm::mat3& m)
 {
-    const auto normal = longest(glm::cross(m[0], m[1]), glm::cross(m[1], m[2]), glm::cross(m[2], m[0]));
-    return glm::length(normal) > 0.3f * THINNEST ? glm::normalize(normal) : perpendicular(longest(m[0], m[1], m[2]));
+    return longest(glm::cross(m[0], m[1]), glm::cross(m[1], m[2]), glm::cross(m[2], m[0]));
 }
 
-/// A matrix that has an inverse as it is. Of one scaled by 0 along an axis or more (valid glTF: a flat or a hidden mesh), what is flat
-/// is made THINNEST instead.
+/// Is the volume nothing but rounding, beside the columns' lengths and beside the rows'? A needle's is not.
+bool isFlat(const glm::mat3& m)
+{
+    constexpr float ROUNDING = 1e-6f;
+    const auto box = [](const glm::mat3& sides) { return glm::length(sides[0]) * glm::length(sides[1]) * glm::length(sides[2]); };
+    return std::abs(glm::determinant(m)) <= ROUNDING * std::min(box(m), box(glm::transpose(m)));
+}
+
+/// A matrix that has an inverse as it is. Of one scaled by 0 along an axis (valid glTF: a flat mesh) with some thickness; of one scaled
+/// by 0 along more (a hidden mesh) a speck.
 glm::mat4 invertible(const glm::mat4& matrix)
 {
     const glm::mat3 given(matrix);
@@ -105,14 +104,13 @@ glm::mat4 invertible(const glm::mat4& matrix)
     if (!(extent > 1e-3f * SMALLEST))
         return placed(glm::mat3(SMALLEST));
     auto m = given / extent;
-    const auto isFlat = [](const glm::mat3& m) { return std::abs(glm::determinant(m)) < 0.1f * THINNEST * THINNEST; };
     if (!isFlat(m))
         return matrix;
-    // Once for a flat matrix, twice for one whose images lie on a line.
-    for (int i = 0; i < 2 && isFlat(m); ++i) {
-        const auto thickness = THINNEST * glm::outerProduct(missingDirection(m), missingDirection(glm::transpose(m)));
-        m += glm::determinant(m + thickness) < 0 ? -thickness : thickness;
-    }
+    const auto image = missingDirection(m), preimage = missingDirection(glm::transpose(m));
+    if (!(glm::length(image) > THINNEST && glm::length(preimage) > THINNEST))
+        return placed(glm::mat3(SMALLEST));
+    const auto thickness = THINNEST * glm::outerProduct(glm::normalize(image), glm::normalize(preimage));
+    m += glm::determinant(m + thickness) < 0 ? -thickness : thickness;
     return placed(m * extent);
 }
 
