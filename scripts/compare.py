@@ -75,6 +75,7 @@ def parse(arguments):
         "own)",
     )
     add("--environment", metavar="FILE|R,G,B", help="environment light in place of the scene's")
+    add("--allow-outside", action="store_true", help="let a scene read files that lie outside of its own folder")
     add("--camera", type=program.whole(0), default=0, help="number of the scene's camera (%(default)s)")
     add(
         "--energy-compensation",
@@ -128,6 +129,7 @@ def settings_from(options):
         base_seed=options.base_seed,
         bounces=options.bounces,
         environment=options.environment,
+        allow_outside=options.allow_outside,
         energy_compensation=options.energy_compensation,
         camera=options.camera,
         reference=options.reference,

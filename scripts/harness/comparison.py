@@ -24,6 +24,7 @@ class Settings:
     base_seed: int = 0
     bounces: int | None = None
     environment: str | None = None
+    allow_outside: bool = False  # scenes may read files that lie outside of their own folder
     camera: int = 0
     energy_compensation: bool = False
     reference: str | None = None  # an EXR in place of the path tracer
@@ -83,7 +84,9 @@ class Comparison:
         self.plans = []
         self.display.start(len(settings.scenes) * len(self._all_methods()), "checked")
         for scene in settings.scenes:
-            facts = scenes.facts(self._pool, scene, settings.camera, settings.environment)
+            facts = scenes.facts(
+                self._pool, scene, settings.camera, settings.environment, settings.allow_outside
+            )
             base = Job(
                 scene=scene,
                 scene_hash=facts.hash,
@@ -94,6 +97,7 @@ class Comparison:
                 seed=0,
                 code=code,
                 environment=settings.environment,
+                allow_outside=settings.allow_outside,
                 camera=settings.camera,
                 energy_compensation=settings.energy_compensation,
                 bounces=facts.bounces(settings.bounces),

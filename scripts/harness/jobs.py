@@ -85,6 +85,7 @@ class Job:
     device: str | None = None
     backend: str | None = None
     environment: str | None = None
+    allow_outside: bool = False  # the scene may read files that lie outside of its own folder
     camera: int = 0
     reference: str | None = None  # key of the reference the errors are measured against; None: measure none
     gain: float = 1.0  # the picture is scaled by it: the self-test's known error of energy
@@ -104,7 +105,7 @@ class Job:
         content = {
             name: value
             for name, value in asdict(self).items()
-            if name not in ("scene", "graph", "label") and (name not in LATER_FIELDS or value)
+            if name not in ("scene", "graph", "label", "allow_outside") and (name not in LATER_FIELDS or value)
         }
         content["description"] = without_places(self.description)
         return digest(json.dumps(content, sort_keys=True).encode())
@@ -138,7 +139,7 @@ class Call:
     settings: tuple  # ((name, value), ...): whatever else the result depends on
     code: str  # hash of the renderer's own files
     label: str = field(default="", compare=False)  # for messages
-    camera, environment = 0, None  # the scene's own
+    camera, environment, allow_outside = 0, None, False  # the scene's own
 
     @property
     def key(self):

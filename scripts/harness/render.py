@@ -117,12 +117,12 @@ def is_running_mean(description, output):
     )
 
 
-_loaded = {}  # the scene that was loaded last: {(file, camera, environment): (hash, restirpg.Scene)}
+_loaded = {}  # the scene that was loaded last: {(file, camera, environment, allow_outside): (hash, restirpg.Scene)}
 
 
 def load_scene(job):
     """(hash, scene) of a Job or Call. Raises Halt when its files are not those that its `scene_hash`, if any, names."""
-    place = (job.scene, job.camera, job.environment)
+    place = (job.scene, job.camera, job.environment, job.allow_outside)
     if place not in _loaded or _loaded[place][0] != job.scene_hash:
         _loaded.clear()
         _loaded[place] = _load_scene(*place)
@@ -132,7 +132,7 @@ def load_scene(job):
     return found
 
 
-def _load_scene(file, camera, environment):
+def _load_scene(file, camera, environment, allow_outside):
     import restirpg
 
     def content():
@@ -140,7 +140,7 @@ def _load_scene(file, camera, environment):
         return path.read_bytes() if path.is_file() else b""
 
     before = content()
-    scene = restirpg.load_scene(file, camera=camera, environment=environment)
+    scene = restirpg.load_scene(file, camera=camera, environment=environment, allow_outside=allow_outside)
     if content() != before:
         raise Halt(f"{environment}: the environment has changed while it was read; start the same command again")
     return digest(scene.hash.encode() + before), scene

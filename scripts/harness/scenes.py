@@ -53,13 +53,13 @@ def facts_of(hash, scene):
 
 
 @functools.lru_cache(maxsize=64)
-def facts(pool, file, camera=0, environment=None):
+def facts(pool, file, camera=0, environment=None, allow_outside=False):
     """The Facts of a scene file, which a worker of the pool loads; raises UserError."""
     if not Path(file).is_file():
         raise UserError(f"{file}: no such scene; scripts/make_scenes.py writes the embedded ones to out/scenes")
     question = Job(
         scene=file, scene_hash="", graph="", description="null", size=(), frames=0, seed=0, code="",
-        camera=camera, environment=environment, label="scene",
+        camera=camera, environment=environment, allow_outside=allow_outside, label="scene",
     )  # fmt: skip
     ((_, failure, answer),) = pool.run([question], kind="scene")
     if failure:

@@ -135,6 +135,14 @@ def test_invalid_pixels_are_counted_in_all_measured_pictures_and_in_the_referenc
     assert "reference: 5 NaN or infinite pixels are left out of errors" in run.stdout, run.stderr
 
 
+def test_scenes_read_outside_of_their_folders_only_where_that_is_allowed(tmp_path):
+    (tmp_path / "outside.gltf").write_text("")
+    refused = compare(tmp_path, "plain.json", scenes="outside.gltf")
+    assert refused.returncode == 2 and "outside of the scene's folder" in refused.stderr
+    allowed = compare(tmp_path, "plain.json", "--allow-outside", scenes="outside.gltf")
+    assert allowed.returncode == 0, allowed.stderr
+
+
 def test_runs_that_shared_the_machine_are_told_apart_from_those_that_did_not(tmp_path):
     assert "were not alone" not in compare(tmp_path).stdout
     assert "some runs were not alone (--jobs)" in compare(tmp_path, jobs=2, cache="other").stdout

@@ -44,10 +44,12 @@ class _Scene:
         self.animation_keys = json.loads(text) if text else []
 
 
-def load_scene(file, camera=0, environment=None):
+def load_scene(file, camera=0, environment=None, allow_outside=False):
     """A scene is an empty file, or JSON of its animation keys."""
     if "broken" in Path(file).name:
         raise Error(f"{file}: not a scene")
+    if "outside" in Path(file).name and not allow_outside:
+        raise Error(f"{file}: buffers[0] lies outside of the scene's folder")
     return _Scene(Path(file).read_text())
 
 
