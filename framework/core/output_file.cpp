@@ -45,12 +45,14 @@ private:
     sigset_t before_{};
 };
 
-/// The file that a name leads to. A link to a file that is not there yet leads to its place.
-fs::path withoutLinks(const fs::path& file)
+/// The file that a name leads to, over symbolic links, also when it is not there yet.
+fs::path withoutLinks(fs::path file)
 {
+    constexpr int MOST_LINKS = 40;  // as Linux follows
     std::error_code error;
-    const fs::path target = fs::weakly_canonical(file, error);
-    return error ? file : target;
+    for (int i = 0; i < MOST_LINKS && fs::is_symlink(file, error); ++i)
+        file = file.parent_path() / fs::read_symlink(file, error);  // an absolute target replaces the folder
+    return file;
 }
 
 fs::path temporaryName(const fs::path& folder)

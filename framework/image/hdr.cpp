@@ -24,9 +24,13 @@ class ByteReader {
 public:
     explicit ByteReader(const fs::path& file) : file_(file)
     {
-        std::ifstream stream(file, std::ios::binary);
-        if (!stream || fs::is_directory(file))
+        std::error_code ignored;
+        std::ifstream stream;
+        if (fs::is_regular_file(file, ignored))  // a pipe or a device may have no end
+            stream.open(file, std::ios::binary);
+        if (!stream.is_open())
             fail("{}: cannot read the file; name an existing Radiance .hdr file", file.string());
+        checkMemory(file.string() + ": cannot read", "the file", fs::file_size(file), "scale the image down");
         bytes_.assign(std::istreambuf_iterator<char>(stream), {});
     }
 

@@ -134,7 +134,7 @@ TEST_F(HostileImage, FilesThatAreNotImagesAreRefused)
         EXPECT_FALSE(isReadOrOneError(folder_ / "bad", [](const fs::path& f) { return readExr(f); })) << text;
         EXPECT_FALSE(isReadOrOneError(folder_ / "bad", [](const fs::path& f) { return readHdr(f); })) << text;
     }
-    for (const fs::path& file : {folder_ / "missing", folder_}) {
+    for (const fs::path file : {folder_ / "missing", folder_, fs::path("/dev/zero"), fs::path("/dev/full")}) {
         EXPECT_FALSE(isReadOrOneError(file, [](const fs::path& f) { return readExr(f); }));
         EXPECT_FALSE(isReadOrOneError(file, [](const fs::path& f) { return readHdr(f); }));
     }

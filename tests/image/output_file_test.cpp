@@ -114,6 +114,10 @@ TEST_F(Output, PermissionsAndLinksAreKept)
     writeFile(folder_ / "link.txt", "new");
     EXPECT_TRUE(fs::is_symlink(folder_ / "link.txt"));
     EXPECT_EQ(readBytes(file), (std::vector<char>{'n', 'e', 'w'}));
+    fs::create_symlink("later.txt", folder_ / "early.txt");
+    writeFile(folder_ / "early.txt", "x");
+    EXPECT_TRUE(fs::is_regular_file(folder_ / "later.txt"));
+    EXPECT_TRUE(fs::is_symlink(folder_ / "early.txt"));
     struct stat status;
     stat(file.c_str(), &status);
     EXPECT_EQ(status.st_mode & 07777u, 0640u);
