@@ -44,7 +44,7 @@ void addTriangles(Scene& scene, const std::vector<std::array<glm::vec3, 3>>& tri
         const std::array<glm::vec2, 3> uvs{glm::vec2(0.1f, 0.1f), {0.9f, 0.2f}, {0.3f, 0.8f}};
         for (int corner = 0; corner < 3; ++corner) {
             scene.positions.push_back(corners[size_t(corner)]);
-            scene.attributes.push_back({normal, glm::vec4(0), uvs[size_t(corner)], uvs[size_t(corner)], glm::vec3(1)});
+            scene.attributes.push_back({normal, glm::vec4(0), uvs[size_t(corner)], uvs[size_t(corner)], glm::vec4(1)});
         }
         scene.triangles.emplace_back(3 * index, 3 * index + 1, 3 * index + 2);
         scene.materialOfTriangle.push_back(index);
