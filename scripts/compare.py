@@ -15,10 +15,13 @@ are reported); 2 for a mistake in what was asked; 130 after Ctrl-C, 143 after SI
 
 import argparse
 import os
+import signal
 import sys
 import time
 from pathlib import Path
 
+if __name__ == "__main__" and signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # until program.run: no stack trace of what is being imported
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from harness import UserError, analysis, files, program, render, report, selftest, tables  # noqa: E402

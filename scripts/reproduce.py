@@ -12,11 +12,14 @@ SIGTERM.
 """
 
 import argparse
+import signal
 import sys
 import time
 from dataclasses import replace
 from pathlib import Path
 
+if __name__ == "__main__" and signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # until program.run: no stack trace of what is being imported
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from harness import UserError, files, program, render  # noqa: E402

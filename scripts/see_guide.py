@@ -20,12 +20,16 @@ light, BSDF and cosine.
 
 import argparse
 import io
+import signal
 import sys
 from pathlib import Path
 
-import numpy as np
+if __name__ == "__main__" and signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # until program.run: no stack trace of what is being imported
 
-from harness import files, program, render
+import numpy as np  # noqa: E402
+
+from harness import files, program, render  # noqa: E402
 
 
 def parse():

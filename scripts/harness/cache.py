@@ -4,6 +4,7 @@ import contextlib
 import hashlib
 import io
 import json
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -55,13 +56,21 @@ class Cache:
 
     def store(self, key, result):
         """Keep `result`: arrays and a JSON-able `meta`. Raises Halt where it cannot be written."""
-        stream = io.BytesIO()
-        np.savez(stream, **{**result, "meta": np.array(json.dumps(result["meta"]))})
-        data = stream.getvalue()
+        data = _npz({**result, "meta": np.array(json.dumps(result["meta"]))})
         try:
             files.write(self.path(key), data + _checksum(key, data))
         except UserError as error:
             raise Halt(str(error)) from None
+
+
+def _npz(arrays):
+    """As np.savez, which leaves its archive to the collector when it is interrupted: that would be said on the terminal."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for name, array in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, np.asanyarray(array), allow_pickle=False)
+    return stream.getvalue()
 
 
 def _checksum(key, data):

@@ -21,6 +21,7 @@ from webdriver import Browser
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import reproduce as program  # noqa: E402
+from harness import UserError  # noqa: E402
 from harness.paper import (  # noqa: E402
     ablation, cost, errors, experiments, figure_4, motion, page, pictures, resolution, table_1,
 )  # fmt: skip
@@ -423,6 +424,13 @@ def test_a_bounce_cap_takes_the_place_of_the_scene_s(tmp_path, arguments, cap):
         assert facts(pool, scene).bounces(settings.bounces) == cap
         call = evaluation.call(figure_4.directions, "door_ajar", "graphs/restir_pg.py")
         assert dict(call.settings)["bounces"] == cap
+
+
+def test_an_embedded_scene_is_not_written_over_one_that_is_named(tmp_path):
+    names = ["door_ajar", str(tmp_path / "scenes/door_ajar.glb")]
+    with pytest.raises(UserError, match="the embedded 'door_ajar' would be written over it"):
+        Paper(QUICK, tmp_path, None, None, None, names).file("door_ajar")
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_list_names_everything(tmp_path):
