@@ -70,9 +70,8 @@ def make_reference(arguments, scene):
     return image
 
 
-def make_method(arguments, scene, text):
-    """A renderer of GRAPH@KNOB=VALUE,... that shows the parts of each frame."""
-    method = parse_method(text)
+def make_method(arguments, scene, method):
+    """A renderer of a jobs.Method that shows the parts of each frame."""
     graph = render.describe_graph(method.graph)
     gbuffer, direct, paths, reuse = passes_of(graph, "GBuffer", "ReSTIRDI", "PathTracerGuided", "ReSTIRReuse")
     inputs = {"surface": {"pass": gbuffer, "output": "surface"}, "candidates": {"pass": paths, "output": "candidates"}}
@@ -121,11 +120,12 @@ def sweep(arguments):
     """Print one line a graph."""
     import restirpg
 
+    methods = [parse_method(text) for text in arguments.graphs]
     scene = restirpg.load_scene(arguments.scene)
     reference = make_reference(arguments, scene)
     first = None
-    for text in arguments.graphs:
-        renderer = make_method(arguments, scene, text)
+    for text, method in zip(arguments.graphs, methods):
+        renderer = make_method(arguments, scene, method)
         errors = np.array([errors_of_run(arguments, renderer, 7919 * (i + 1), reference)
                            for i in range(arguments.seeds)])
         first = errors if first is None else first
