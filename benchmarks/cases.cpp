@@ -7,6 +7,17 @@
 
 namespace restirpg::bench {
 
+namespace {
+
+int failed = 0;
+
+}  // namespace
+
+int failedCases()
+{
+    return failed;
+}
+
 void add(const std::string& name, std::function<void(benchmark::State&)> run)
 {
     benchmark::RegisterBenchmark(name.c_str(),
@@ -15,6 +26,7 @@ void add(const std::string& name, std::function<void(benchmark::State&)> run)
                                          run(state);
                                      } catch (const Error& error) {
                                          state.SkipWithError(error.what());
+                                         ++failed;
                                      }
                                  })
         ->UseManualTime()

@@ -42,6 +42,7 @@ void registerBsdfs(const Cases& cases);
 
 /// Register one case; an Error of its own is reported as the case's error, and the rest goes on.
 void add(const std::string& name, std::function<void(benchmark::State&)> run);
+int failedCases();
 
 /// The scene of a file, loaded once.
 std::shared_ptr<const Scene> loadScene(const std::string& file);

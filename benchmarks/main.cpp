@@ -3,6 +3,7 @@
 #include "cases.h"
 
 #include "core/error.h"
+#include "graph/graph.h"
 #include "render/version.h"
 
 #include <CLI/CLI.hpp>
@@ -37,6 +38,19 @@ std::vector<std::string> chooseBackends(const Cases& cases)
                                 : std::vector<std::string>{"software"};
 }
 
+/// What is left of the command line is Google Benchmark's; what it does not know either is refused.
+void handToBenchmark(std::vector<std::string> rest, char* program)
+{
+    std::vector<char*> arguments{program};
+    for (auto& argument : rest)
+        arguments.push_back(argument.data());
+    int count = int(arguments.size());
+    arguments.push_back(nullptr);
+    benchmark::Initialize(&count, arguments.data());
+    if (count > 1)
+        fail("'{}' is no option; --help lists them", arguments[1]);
+}
+
 int run(int argc, char** argv)
 {
     Cases cases;
@@ -44,8 +58,9 @@ int run(int argc, char** argv)
     const std::string source = RESTIRPG_SOURCE;
     cases.graphs = {source + "/graphs/path_tracer.py"};
     cases.scenes = {source + "/out/scenes/cornell_box.glb", source + "/out/scenes/door_ajar.glb"};
-    CLI::App app("Benchmarks; the flags --benchmark_... are Google Benchmark's (--benchmark_filter=REGEX, "
-                 "--benchmark_out=FILE)");
+    CLI::App app("Benchmarks. Google Benchmark's own flags may be given too: --benchmark_filter=REGEX, --benchmark_out=FILE.json, "
+                 "--benchmark_repetitions=N, --benchmark_min_time=SECONDS, --benchmark_list_tests");
+    app.allow_extras();
     app.add_option("--graphs", cases.graphs, "graph files (the path tracer)");
     app.add_option("--scenes", cases.scenes,
                    "scenes (the embedded ones in out/scenes: scripts/make_scenes.py writes them)");
@@ -59,6 +74,9 @@ int run(int argc, char** argv)
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
+    handToBenchmark(app.remaining(), argv[0]);
+    for (const auto& graph : cases.graphs)
+        readGraphFile(graph);
     for (const auto& scene : cases.scenes)
         if (!std::filesystem::exists(scene))
             fail("{}: no such scene; scripts/make_scenes.py writes the embedded ones", scene);
@@ -70,7 +88,7 @@ int run(int argc, char** argv)
     registerBsdfs(cases);
     benchmark::RunSpecifiedBenchmarks();
     benchmark::Shutdown();
-    return 0;
+    return failedCases() == 0 ? 0 : 1;
 }
 
 }  // namespace
@@ -78,7 +96,6 @@ int run(int argc, char** argv)
 
 int main(int argc, char** argv)
 {
-    benchmark::Initialize(&argc, argv);
     try {
         return restirpg::bench::run(argc, argv);
     } catch (const restirpg::Error& error) {

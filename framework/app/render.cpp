@@ -17,6 +17,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 namespace restirpg {
 namespace {
@@ -212,7 +213,15 @@ void render(Options& options)
     const auto scene = loadScene(options);
     setKnobs(*graph, options, *scene);
 
+    std::optional<Progress> compiling;
+    options.renderer.compiling = [&](uint32_t done, uint32_t total) {
+        if (done == 0)
+            compiling.emplace("compiling kernels", total);
+        else
+            compiling->advance();
+    };
     Renderer renderer(scene, std::move(graph), options.renderer);
+    compiling.reset();
     const auto& device = renderer.device().description();
     fmt::print("{}, {}, {} back end\n", device.name, device.driver,
                renderer.device().backend() == Backend::rayQuery ? "rayquery" : "software");

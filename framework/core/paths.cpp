@@ -72,13 +72,12 @@ fs::path pythonInterpreter()
 
 fs::path cacheFolder()
 {
-    fs::path folder = environment("RESTIRPG_CACHE_DIR");
-    if (folder.empty()) {
-        const auto xdg = environment("XDG_CACHE_HOME");
-        folder = (xdg.empty() ? environment("HOME") / ".cache" : xdg) / "restirpg";
-    }
-    fs::create_directories(folder);
-    return folder;
+    if (const auto given = environment("RESTIRPG_CACHE_DIR"); !given.empty())
+        return given;
+    if (const auto xdg = environment("XDG_CACHE_HOME"); !xdg.empty())
+        return xdg / "restirpg";
+    const auto home = environment("HOME");
+    return home.empty() ? home : home / ".cache/restirpg";
 }
 
 }  // namespace restirpg

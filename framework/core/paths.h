@@ -24,7 +24,7 @@ std::filesystem::path pluginFolder(const void* inside, const std::filesystem::pa
 /// The interpreter that evaluates graph files: RESTIRPG_PYTHON if set, else the one found at configure time.
 std::filesystem::path pythonInterpreter();
 
-/// Per-user cache: RESTIRPG_CACHE_DIR, else $XDG_CACHE_HOME/restirpg, else ~/.cache/restirpg. Created on first use.
+/// Per-user cache: RESTIRPG_CACHE_DIR, else $XDG_CACHE_HOME/restirpg, else ~/.cache/restirpg, else (no HOME) empty.
 std::filesystem::path cacheFolder();
 
 }  // namespace restirpg

@@ -33,7 +33,7 @@ VkDeviceMemory Device::allocateMemory(const VkMemoryRequirements& requirements, 
         if ((requirements.memoryTypeBits & (1u << i)) && (memory_.memoryTypes[i].propertyFlags & flags) == flags)
             type = i;
     if (type == UINT32_MAX)
-        fail("device '{}' has no memory of the kind needed (flags {:#x}); choose another device", description_.name, flags);
+        fail("device '{}' has no memory of the kind needed (flags {:#x}); choose another device", description().name, flags);
     VkMemoryAllocateFlagsInfo flagsInfo{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
     flagsInfo.flags = address ? VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT : 0;
     VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flagsInfo};
@@ -80,10 +80,10 @@ Buffer Device::createBuffer(uint64_t bytes, const std::string& name)
 {
     bytes = std::max<uint64_t>((bytes + 3) / 4 * 4, 16);
     VkBufferUsageFlags usage = KERNEL_BUFFER;
-    if (backend_ == Backend::rayQuery)
+    if (backend() == Backend::rayQuery)
         usage |= VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR |
                  VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR;
-    const VkMemoryPropertyFlags flags = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | (isCpu_ ? HOST : 0);
+    const VkMemoryPropertyFlags flags = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | (isCpu() ? HOST : 0);
     Buffer buffer = makeBuffer(bytes, usage, flags, name);
     if (buffer.mapped_)
         std::memset(buffer.mapped_, 0, bytes);

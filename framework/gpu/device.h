@@ -1,12 +1,12 @@
-// The Vulkan device: choice, required features, validation, one queue.
+// A device as one renderer sees it: buffers, command submission, definitions for its kernels.
 #pragma once
 
 #include "gpu/buffer.h"
-
-#include <volk.h>
+#include "gpu/logical_device.h"
 
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <map>
 #include <memory>
 #include <string>
@@ -14,46 +14,28 @@
 
 namespace restirpg {
 
-/// Which ray tracing back end the kernels are compiled for.
-enum class Backend {
-    software,  ///< two-level BVH2 traversed in the kernel; any device
-    rayQuery,  ///< GL_EXT_ray_query
-};
-
-struct DeviceOptions {
-    std::string device;  ///< index or part of the name, as `restirpg devices` lists them; empty: discrete, else integrated, else CPU
-    std::string backend;  ///< "software", "rayquery" or empty: ray query where the device has it and is no CPU
-    bool validation = false;  ///< validation layer with synchronization validation; RESTIRPG_VALIDATION=1 turns it on too
-};
-
-/// A physical device as `restirpg devices` shows it.
-struct DeviceDescription {
-    std::string name;
-    std::string driver;  ///< name and version
-    std::string type;  ///< "discrete GPU", "integrated GPU", "virtual GPU", "CPU"
-    bool rayQuery = false;
-    std::vector<std::string> missing;  ///< required features it lacks; empty: usable
-};
-
-std::vector<DeviceDescription> listDevices();
+/// Called while kernels are compiled.
+using CompileProgress = std::function<void(uint32_t done, uint32_t total)>;
 
 class Device {
 public:
     /// Throws Error naming the device, the missing feature and what would provide it.
-    explicit Device(const DeviceOptions& options = {});
+    explicit Device(const DeviceOptions& options = {}) : Device(LogicalDevice::get(options)) {}
+    explicit Device(std::shared_ptr<LogicalDevice> logical);
     ~Device();
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
 
-    const DeviceDescription& description() const { return description_; }
-    Backend backend() const { return backend_; }
-    bool isCpu() const { return isCpu_; }
+    LogicalDevice& logical() const { return *logical_; }
+    const DeviceDescription& description() const { return logical_->description(); }
+    Backend backend() const { return logical_->backend(); }
+    bool isCpu() const { return logical_->isCpu(); }
 
     VkDevice handle() const { return device_; }
-    VkPhysicalDevice physical() const { return physical_; }
-    VkPipelineLayout pipelineLayout() const { return pipelineLayout_; }
-    VkDescriptorSetLayout setLayout() const { return setLayout_; }
-    double timestampPeriod() const { return timestampPeriod_; }  ///< ns a tick
+    VkPhysicalDevice physical() const { return logical_->physical(); }
+    VkPipelineLayout pipelineLayout() const { return logical_->pipelineLayout(); }
+    VkDescriptorSetLayout setLayout() const { return logical_->setLayout(); }
+    double timestampPeriod() const { return logical_->timestampPeriod(); }  ///< ns a tick
 
     /// A zeroed buffer, readable and writable by kernels through its address.
     Buffer createBuffer(uint64_t bytes, const std::string& name);
@@ -82,10 +64,15 @@ public:
     void setKernelDefine(const std::string& name, const std::string& value) { kernelDefines_[name] = value; }
     const std::map<std::string, std::string>& kernelDefines() const { return kernelDefines_; }
 
+    /// Kernels are compiled side by side, in threads of their own: wait for all that were made for this device, throw the Error of the first
+    /// that failed.
+    void finishKernels(const CompileProgress& progress = {});
+    void addKernel(std::shared_future<std::shared_ptr<const Pipeline>> kernel) { kernels_.push_back(std::move(kernel)); }
+
     /// Bytes of device memory allocated now.
     uint64_t allocatedBytes() const { return allocatedBytes_; }
 
-    void setName(uint64_t handle, VkObjectType type, const std::string& name) const;
+    void setName(uint64_t handle, VkObjectType type, const std::string& name) const { logical_->setName(handle, type, name); }
     void beginLabel(VkCommandBuffer commands, const std::string& name) const;
     void endLabel(VkCommandBuffer commands) const;
 
@@ -93,38 +80,22 @@ public:
     VkDeviceMemory allocateMemory(const VkMemoryRequirements& requirements, VkMemoryPropertyFlags flags, bool address);
     void freeMemory(VkDeviceMemory memory, uint64_t bytes);
 
-    /// Messages of the validation layer so far.
-    const std::vector<std::string>& validationMessages() const { return messages_; }
+    /// Messages of the validation layer since this device was made.
+    std::vector<std::string> validationMessages() const { return logical_->messages(firstMessage_); }
 
 private:
     friend class Buffer;
     Buffer makeBuffer(uint64_t bytes, VkBufferUsageFlags usage, VkMemoryPropertyFlags flags, const std::string& name);
-    void createLayouts();
 
-    DeviceDescription description_;
-    Backend backend_ = Backend::software;
-    bool isCpu_ = false;
-    bool debugUtils_ = false;
-    VkInstance instance_ = VK_NULL_HANDLE;
-    VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
-    VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+    std::shared_ptr<LogicalDevice> logical_;
     VkDevice device_ = VK_NULL_HANDLE;
-    VkQueue queue_ = VK_NULL_HANDLE;
+    size_t firstMessage_ = 0;
     VkCommandPool pool_ = VK_NULL_HANDLE;
     VkFence fence_ = VK_NULL_HANDLE;
-    VkDescriptorSetLayout setLayout_ = VK_NULL_HANDLE;
-    VkPipelineLayout pipelineLayout_ = VK_NULL_HANDLE;
-    double timestampPeriod_ = 1;
     uint64_t allocatedBytes_ = 0;
     VkPhysicalDeviceMemoryProperties memory_{};
-    std::vector<std::string> messages_;
+    std::vector<std::shared_future<std::shared_ptr<const Pipeline>>> kernels_;  ///< since the last finishKernels
     std::map<std::string, std::string> kernelDefines_;
 };
-
-/// Bytes of push constants that a kernel's parameters may take: what every Vulkan device has.
-constexpr uint32_t MAX_PARAMETER_BYTES = 128;
-
-/// Throws std::runtime_error naming the call when `result` is an error; out of memory is an Error.
-void check(VkResult result, const char* call);
 
 }  // namespace restirpg

@@ -1,55 +1,53 @@
 #include "gpu/kernel.h"
 
-#include "core/error.h"
+#include <semaphore>
+#include <thread>
 
 namespace restirpg {
+namespace {
 
-Kernel::Kernel(Device& device, const std::filesystem::path& file, const Defines& defines, const Includes& includes)
+/// As many kernels are compiled at once as there are processors.
+std::counting_semaphore<>& processors()
+{
+    static std::counting_semaphore<> free(std::max(1u, std::thread::hardware_concurrency()));
+    return free;
+}
+
+struct Turn {
+    Turn() { processors().acquire(); }
+    ~Turn() { processors().release(); }
+};
+
+}  // namespace
+
+Kernel::Kernel(Device& device, const std::filesystem::path& file, const Defines& defines, const Includes& includes,
+               Compile when)
     : device_(&device)
 {
     Defines all = device.kernelDefines();
     for (const auto& [name, value] : defines)
         all[name] = value;
-    const auto spirv = compileShader(file, all, includes);
-    groupSize_ = localSize(spirv);
-
-    VkShaderModuleCreateInfo moduleInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    moduleInfo.codeSize = spirv.size() * 4;
-    moduleInfo.pCode = spirv.data();
-    VkShaderModule module;
-    check(vkCreateShaderModule(device.handle(), &moduleInfo, nullptr, &module), "vkCreateShaderModule");
-    VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-    info.layout = device.pipelineLayout();
-    info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-    info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-    info.stage.module = module;
-    info.stage.pName = "main";
-    const VkResult result = vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_);
-    vkDestroyShaderModule(device.handle(), module, nullptr);
-    check(result, "vkCreateComputePipelines");
-    device.setName(uint64_t(pipeline_), VK_OBJECT_TYPE_PIPELINE, file.filename().string());
-}
-
-Kernel::~Kernel()
-{
-    if (pipeline_)
-        vkDestroyPipeline(device_->handle(), pipeline_, nullptr);
-}
-
-void Kernel::swap(Kernel& other) noexcept
-{
-    std::swap(device_, other.device_);
-    std::swap(pipeline_, other.pipeline_);
-    std::swap(groupSize_, other.groupSize_);
+    const auto compile = [&logical = device.logical(), file, all, includes] {
+        const Turn turn;
+        return logical.pipelines().get(compileShader(file, all, includes), file.filename().string());
+    };
+    if (when == Compile::atFirstDispatch) {
+        pipeline_ = std::async(std::launch::deferred, compile).share();
+        return;
+    }
+    // Either policy: where no thread can be had, it is compiled by whoever waits for it.
+    pipeline_ = std::async(std::launch::async | std::launch::deferred, compile).share();
+    device.addKernel(pipeline_);
 }
 
 void Kernel::dispatch(VkCommandBuffer commands, const void* parameters, uint32_t parameterBytes, uint32_t width,
                       uint32_t height, uint32_t depth) const
 {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_);
+    const LocalSize& size = pipeline().groupSize();
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline().handle());
     vkCmdPushConstants(commands, device_->pipelineLayout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, parameterBytes, parameters);
     const auto groups = [](uint32_t invocations, uint32_t size) { return (invocations + size - 1) / size; };
-    vkCmdDispatch(commands, groups(width, groupSize_.x), groups(height, groupSize_.y), groups(depth, groupSize_.z));
+    vkCmdDispatch(commands, groups(width, size.x), groups(height, size.y), groups(depth, size.z));
 }
 
 }  // namespace restirpg

@@ -1,6 +1,8 @@
 #include "gpu/shader.h"
 
+#include "core/cache_file.h"
 #include "core/error.h"
+#include "core/log.h"
 #include "core/paths.h"
 
 #include <glslang/Include/glslang_c_shader_types.h>
@@ -8,11 +10,12 @@
 #include <glslang/SPIRV/GlslangToSpv.h>
 #include <glslang/build_info.h>
 
+#include <cstring>
 #include <fstream>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <sstream>
-#include <unistd.h>
 
 extern const TBuiltInResource* GetDefaultResources();
 
@@ -32,26 +35,31 @@ std::string readText(const fs::path& file)
     return text.str();
 }
 
-/// Resolves #include by the given names, beside the including file, then in the shader library.
+/// The file that `#include "name"` in the file `from` means: by the given names, beside the including file, in the shader library. Empty: none.
+fs::path resolveInclude(const std::string& name, const fs::path& from, const Includes& includes)
+{
+    const auto given = includes.find(name);
+    const fs::path library = shaderFolder();
+    // The library also by its folder, as C++ names it: a pass's Shared.h includes "shaders/frame_types.h".
+    for (const fs::path& candidate :
+         {given == includes.end() ? fs::path() : given->second, from.parent_path() / name, library / name, library.parent_path() / name})
+        if (fs::is_regular_file(candidate))
+            return fs::weakly_canonical(candidate);  // canonical, so that errors and nested includes find the file
+    return {};
+}
+
 class Includer final : public glslang::TShader::Includer {
 public:
     explicit Includer(const Includes& includes) : includes_(includes) {}
 
     IncludeResult* includeLocal(const char* name, const char* from, size_t) override
     {
-        const auto given = includes_.find(name);
-        const fs::path library = shaderFolder();
-        // The library also by its folder, as C++ names it: a pass's Shared.h includes "shaders/frame_types.h".
-        for (const fs::path& candidate : {given == includes_.end() ? fs::path() : given->second,
-                                          fs::path(from).parent_path() / name, library / name, library.parent_path() / name})
-            if (fs::is_regular_file(candidate)) {
-                auto text = std::make_unique<std::string>(readText(candidate));
-                const auto* contents = text.get();
-                // The canonical name, so that errors and nested includes find the file.
-                return new IncludeResult(fs::weakly_canonical(candidate).string(), contents->data(), contents->size(),
-                                         text.release());
-            }
-        return nullptr;
+        const fs::path file = resolveInclude(name, from, includes_);
+        if (file.empty())
+            return nullptr;
+        auto text = std::make_unique<std::string>(readText(file));
+        const auto* contents = text.get();
+        return new IncludeResult(file.string(), contents->data(), contents->size(), text.release());
     }
 
     IncludeResult* includeSystem(const char* name, const char* from, size_t depth) override
@@ -71,13 +79,34 @@ private:
     const Includes& includes_;
 };
 
-/// FNV-1a, 64 bits: the cache key.
-uint64_t hashText(const std::string& text)
+/// The names in the text's #include lines, in comments and branches not taken too.
+std::vector<std::string> includedNames(const std::string& text)
 {
-    uint64_t hash = 0xcbf29ce484222325ull;
-    for (unsigned char c : text)
-        hash = (hash ^ c) * 0x100000001b3ull;
-    return hash;
+    std::vector<std::string> names;
+    for (size_t hash = text.find('#'); hash != std::string::npos; hash = text.find('#', hash + 1)) {
+        const size_t word = text.find_first_not_of(" \t", hash + 1);
+        if (word == std::string::npos || text.compare(word, 7, "include") != 0)
+            continue;
+        const size_t open = text.find_first_of("\"<\n", word), close = text.find_first_of("\">\n", open + 1);
+        if (open != std::string::npos && close != std::string::npos && text[open] != '\n' && text[close] != '\n')
+            names.push_back(text.substr(open + 1, close - open - 1));
+    }
+    return names;
+}
+
+/// Add a file and all that it may include. Contents and not where they lie, so that clones share what they compiled; a file's includes follow
+/// it in order, so which file each name found is told by the contents.
+void hashFiles(const fs::path& file, const Includes& includes, std::set<fs::path>& seen, Hash& hash)
+{
+    const std::string text = readText(file);
+    hash.add(text);
+    for (const auto& name : includedNames(text)) {
+        const fs::path included = resolveInclude(name, file, includes);
+        if (!included.empty() && seen.insert(included).second)
+            hashFiles(included, includes, seen, hash);
+        else
+            hash.add(included.filename().string());
+    }
 }
 
 void setUp(glslang::TShader& shader, const char* const* source, const char* const* name, const std::string& preamble)
@@ -89,71 +118,73 @@ void setUp(glslang::TShader& shader, const char* const* source, const char* cons
     shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_5);
 }
 
-std::vector<uint32_t> readCached(const fs::path& file)
+constexpr auto MESSAGES = EShMessages(EShMsgSpvRules | EShMsgVulkanRules);
+
+fs::path cachedFile(const fs::path& file, const std::string& preamble, const Includes& includes)
 {
-    std::ifstream stream(file, std::ios::binary | std::ios::ate);
-    if (!stream)
+    const fs::path folder = cacheFolder();
+    if (folder.empty()) {
+        warn("no HOME, so there is no cache: kernels are compiled again at every start (RESTIRPG_CACHE_DIR names a folder for it)");
         return {};
-    std::vector<uint32_t> words(size_t(stream.tellg()) / 4);
-    stream.seekg(0);
-    stream.read(reinterpret_cast<char*>(words.data()), std::streamsize(words.size() * 4));
-    return stream && words.size() > 5 && words[0] == 0x07230203u ? words : std::vector<uint32_t>{};
+    }
+    Hash hash;
+    hash.add(preamble);
+    std::set<fs::path> seen{file};
+    hashFiles(file, includes, seen, hash);
+    return folder / "spirv" / fmt::format("{:016x}-{}.{}", hash.value(), GLSLANG_VERSION_MAJOR, GLSLANG_VERSION_MINOR);
 }
 
-void writeCached(const fs::path& file, const std::vector<uint32_t>& words)
+Spirv readCached(const fs::path& file)
 {
-    std::error_code ignored;
-    fs::create_directories(file.parent_path(), ignored);
-    const fs::path temporary = file.string() + fmt::format(".{}", getpid());
-    std::ofstream(temporary, std::ios::binary)
-        .write(reinterpret_cast<const char*>(words.data()), std::streamsize(words.size() * 4));
-    fs::rename(temporary, file, ignored);
+    const auto contents = readCacheFile(file);
+    if (!contents || contents->empty() || contents->size() % sizeof(uint32_t) != 0)
+        return {};
+    Spirv words(contents->size() / sizeof(uint32_t));
+    std::memcpy(words.data(), contents->data(), contents->size());
+    return words;
+}
+
+Spirv translate(const fs::path& file, const std::string& preamble, const Includes& includes)
+{
+    static std::once_flag initialized;
+    std::call_once(initialized, [] { glslang::InitializeProcess(); });
+    const std::string text = readText(file), name = file.string();
+    const char* source = text.c_str();
+    const char* sourceName = name.c_str();
+    Includer includer(includes);
+    glslang::TShader shader(EShLangCompute);
+    setUp(shader, &source, &sourceName, preamble);
+    if (!shader.parse(GetDefaultResources(), 460, ECoreProfile, false, false, MESSAGES, includer))
+        fail("{}", shader.getInfoLog());
+    glslang::TProgram program;
+    program.addShader(&shader);
+    if (!program.link(MESSAGES))
+        fail("{}: {}", name, program.getInfoLog());
+    Spirv words;
+    glslang::GlslangToSpv(*program.getIntermediate(EShLangCompute), words);
+    return words;
 }
 
 }  // namespace
 
-std::vector<uint32_t> compileShader(const fs::path& file, const Defines& defines, const Includes& includes)
+Spirv compileShader(const fs::path& given, const Defines& defines, const Includes& includes)
 {
-    static std::once_flag initialized;
-    std::call_once(initialized, [] { glslang::InitializeProcess(); });
-
-    const std::string text = readText(file);
-    const std::string name = fs::weakly_canonical(file).string();
-    const char* source = text.c_str();
-    const char* sourceName = name.c_str();
+    const fs::path file = fs::weakly_canonical(given);
     std::string preamble = "#extension GL_GOOGLE_include_directive : require\n"
                            "#extension GL_GOOGLE_cpp_style_line_directive : require\n";
     for (const auto& [key, value] : defines)
         preamble += fmt::format("#define {} {}\n", key, value);
-    const auto messages = EShMessages(EShMsgSpvRules | EShMsgVulkanRules);
-    Includer includer(includes);
-
-    std::string preprocessed;
-    glslang::TShader preprocessor(EShLangCompute);
-    setUp(preprocessor, &source, &sourceName, preamble);
-    if (!preprocessor.preprocess(GetDefaultResources(), 460, ECoreProfile, false, false, messages, &preprocessed, includer))
-        fail("{}", preprocessor.getInfoLog());
-    const fs::path cached =
-        cacheFolder() / "spirv" /
-        fmt::format("{:016x}-{}.{}.spv", hashText(preamble + preprocessed), GLSLANG_VERSION_MAJOR, GLSLANG_VERSION_MINOR);
-    if (auto words = readCached(cached); !words.empty())
-        return words;
-
-    glslang::TShader shader(EShLangCompute);
-    setUp(shader, &source, &sourceName, preamble);
-    if (!shader.parse(GetDefaultResources(), 460, ECoreProfile, false, false, messages, includer))
-        fail("{}", shader.getInfoLog());
-    glslang::TProgram program;
-    program.addShader(&shader);
-    if (!program.link(messages))
-        fail("{}: {}", name, program.getInfoLog());
-    std::vector<uint32_t> words;
-    glslang::GlslangToSpv(*program.getIntermediate(EShLangCompute), words);
-    writeCached(cached, words);
+    const fs::path cached = cachedFile(file, preamble, includes);
+    if (!cached.empty())
+        if (auto words = readCached(cached); !words.empty())
+            return words;
+    const Spirv words = translate(file, preamble, includes);
+    if (!cached.empty())
+        writeCacheFile(cached, std::as_bytes(std::span(words)));
     return words;
 }
 
-LocalSize localSize(const std::vector<uint32_t>& spirv)
+LocalSize localSize(const Spirv& spirv)
 {
     constexpr uint32_t OP_EXECUTION_MODE = 16, LOCAL_SIZE = 17, HEADER_WORDS = 5;
     for (size_t i = HEADER_WORDS; i < spirv.size(); i += std::max(spirv[i] >> 16, 1u))

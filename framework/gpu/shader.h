@@ -15,16 +15,17 @@ using Defines = std::map<std::string, std::string>;
 /// Names that #include finds elsewhere: "guide_module.glsl" to the file a graph chose.
 using Includes = std::map<std::string, std::filesystem::path>;
 
+using Spirv = std::vector<uint32_t>;
+
 /// Compile a compute shader. `#include "x"` looks in `includes`, beside the including file, in shaderFolder() and in its parent. Errors are one Error
-/// holding glslang's messages (FILE:LINE: ...). The result is kept in cacheFolder()/spirv under the hash of the preprocessed
-/// text, so an edit of any included file is seen.
-std::vector<uint32_t> compileShader(const std::filesystem::path& file, const Defines& defines = {},
-                                    const Includes& includes = {});
+/// holding glslang's messages (FILE:LINE: ...). The result is kept in cacheFolder()/spirv under the hash of the defines and of all files
+/// that may be included, so an edit of any of them is seen. May be called by several threads at once.
+Spirv compileShader(const std::filesystem::path& file, const Defines& defines = {}, const Includes& includes = {});
 
 /// Local size of a compute shader, from its LocalSize execution mode.
 struct LocalSize {
     uint32_t x = 1, y = 1, z = 1;
 };
-LocalSize localSize(const std::vector<uint32_t>& spirv);
+LocalSize localSize(const Spirv& spirv);
 
 }  // namespace restirpg

@@ -22,7 +22,7 @@ public:
     /// Declare ports and knobs. Called once, before anything else; touches no GPU.
     virtual void describe(Interface& io) = 0;
 
-    /// Compile kernels and load what does not change with the frame. Called before the first frame, when a structural knob or
+    /// Make kernels (they are compiled side by side, after this returns) and load what does not change with the frame. Called before the first frame, when a structural knob or
     /// the scene changed, and on hot reload.
     virtual void build(Device& device) = 0;
 

@@ -4,7 +4,8 @@
 
 namespace restirpg {
 
-Executor::Executor(Device& device, std::unique_ptr<Graph> graph, uint32_t width, uint32_t height)
+Executor::Executor(Device& device, std::unique_ptr<Graph> graph, uint32_t width, uint32_t height,
+                   const CompileProgress& progress)
     : device_(device), graph_(std::move(graph)), width_(width), height_(height)
 {
     for (const auto& plan : graph_->resources()) {
@@ -19,6 +20,7 @@ Executor::Executor(Device& device, std::unique_ptr<Graph> graph, uint32_t width,
     connect();
     for (uint32_t pass : graph_->order())
         graph_->passes()[pass].pass->build(device_);
+    device_.finishKernels(progress);
     // Last, so that a pass that fails to build leaves nothing behind.
     VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
     info.queryType = VK_QUERY_TYPE_TIMESTAMP;
@@ -58,8 +60,10 @@ void Executor::rebuild(GraphPass& pass)
     for (auto& resource : resources_)
         if (&graph_->passes()[resource.plan.pass] == &pass)
             allocate(resource);
-    if (pass.live)
+    if (pass.live) {
         pass.pass->build(device_);
+        device_.finishKernels();
+    }
     cut();
 }
 

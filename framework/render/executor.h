@@ -15,7 +15,7 @@ namespace restirpg {
 class Executor {
 public:
     /// Build every live pass and allocate the graph's resources for the image size.
-    Executor(Device& device, std::unique_ptr<Graph> graph, uint32_t width, uint32_t height);
+    Executor(Device& device, std::unique_ptr<Graph> graph, uint32_t width, uint32_t height, const CompileProgress& progress);
     ~Executor();
     Executor(const Executor&) = delete;
     Executor& operator=(const Executor&) = delete;

@@ -45,7 +45,7 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::unique_ptr<Graph> gr
     device_ = std::make_unique<Device>(options_.device);
     sceneGpu_ = std::make_unique<SceneGpu>(*device_, *scene_, poseNodes(*scene_, time_, overrides_),
                                            options_.energyCompensation);
-    executor_ = std::make_unique<Executor>(*device_, std::move(graph), options_.width, options_.height);
+    executor_ = std::make_unique<Executor>(*device_, std::move(graph), options_.width, options_.height, options_.compiling);
 }
 
 Renderer::~Renderer() = default;

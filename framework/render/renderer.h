@@ -22,6 +22,7 @@ struct RendererOptions {
     float framesPerSecond = 0;  ///< 0: the scene stands still
     bool energyCompensation = false;  ///< rough surfaces give back what single scattering loses
     DeviceOptions device;
+    CompileProgress compiling;  ///< called while the graph's kernels are compiled: seconds each, when they are not in the cache
 };
 
 /// Where the camera stands, for users. `target` is a point looked at.

@@ -58,9 +58,9 @@ public:
         const auto fault = std::find(FAULTS.begin(), FAULTS.end(), fault_) - FAULTS.begin();
         const Defines defines = {{"RESTIRPG_FAULT", std::to_string(fault) + "u"}};
         candidatesKernel_ = Kernel(device, passFile("Candidates.comp"), defines);
-        temporalKernel_ = Kernel(device, passFile("Temporal.comp"), defines);
-        spatialKernel_ = Kernel(device, passFile("Spatial.comp"), defines);
-        shadeKernel_ = Kernel(device, passFile("Shade.comp"), defines);
+        temporalKernel_ = Kernel(device, passFile("Temporal.comp"), defines, {}, compileIf(temporal_ && history_));
+        spatialKernel_ = Kernel(device, passFile("Spatial.comp"), defines, {}, compileIf(rounds_ > 0));
+        shadeKernel_ = Kernel(device, passFile("Shade.comp"), defines, {}, compileIf(bool(radiance_)));
     }
 
     void record(Frame& frame) override

@@ -53,9 +53,9 @@ public:
         device_ = &device;
         const auto fault = std::find(FAULTS.begin(), FAULTS.end(), fault_) - FAULTS.begin();
         const Defines defines = {{"RESTIRPG_FAULT", std::to_string(fault) + "u"}};
-        temporalKernel_ = Kernel(device, passFile("Temporal.comp"), defines);
-        spatialKernel_ = Kernel(device, passFile("Spatial.comp"), defines);
-        shadeKernel_ = Kernel(device, passFile("Shade.comp"));
+        temporalKernel_ = Kernel(device, passFile("Temporal.comp"), defines, {}, compileIf(temporal_ && history_));
+        spatialKernel_ = Kernel(device, passFile("Spatial.comp"), defines, {}, compileIf(rounds_ > 0));
+        shadeKernel_ = Kernel(device, passFile("Shade.comp"), {}, {}, compileIf(bool(radiance_)));
         if (vertices_)
             verticesKernel_ = Kernel(device, passFile("Vertices.comp"));
     }

@@ -260,7 +260,7 @@ class Comparison:
         for job, failure, _ in self._pool.run(
             missing,
             on_tick=lambda job, frames: self.display.advance(
-                frames * cost(job) / job.frames, f"{job.label} on {job.scene}"
+                frames * cost(job) / job.frames, f"{job.label} on {job.scene}" + ("" if frames else ": compiling kernels")
             ),
         ):
             if failure:

@@ -52,16 +52,17 @@ class Display:
             self._bar.update(self._task, total=max(self._total, 1e-9))
 
     def advance(self, work, description):
-        """Some work was done."""
+        """Some work was done, or (0) another step of it begins."""
         self._done += work
         if self._bar:
             self._bar.update(self._task, advance=work, description=description[-60:])
         elif time.monotonic() - self._printed > SECONDS_BETWEEN_LINES:
             self._printed = time.monotonic()
-            left = (self._printed - self._started) * (self._total - self._done) / self._done
-            self.message(
-                f"{100 * self._done / self._total:.0f}% {self._word}, {left / 60:.1f} min left ({description})"
-            )
+            left = ""
+            if self._done > 0:
+                seconds = (self._printed - self._started) * (self._total - self._done) / self._done
+                left = f", {seconds / 60:.1f} min left"
+            self.message(f"{100 * self._done / self._total:.0f}% {self._word}{left} ({description})")
 
     def message(self, text):
         """Print a line that stays."""

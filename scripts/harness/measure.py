@@ -13,14 +13,16 @@ ERRORS = ("mape", "relmse", "rmse", "bias", "invalid")
 def run(job, load=lambda key: None, tick=lambda frames: None, renderers=None):
     """Render the job, and measure its errors where it names references.
 
-    load: gives the reference of a key, a result with `mean`. tick: called after each frame. renderers: where the
-    job's renderer may be found, and stays.
+    load: gives the reference of a key, a result with `mean`. tick: called with 0 before the renderer is made, which
+    may have to compile kernels first, and with 1 after each frame. renderers: where the job's renderer may be
+    found, and stays.
     Returns arrays, one entry for each of job.frames_measured(): `frames`, `mape`, `relmse`, `rmse`, `bias`,
     `invalid`, `frame_mape` (of that frame alone, NaN where it is not known), `gpu_ms` and `wall_ms` (both
     summed since the start); `image` and `frame` (float32, H x W x 3: the output after the last frame, and what
     the last frame alone added to it; with job.at the latter is what is measured, and both); `temporal`, see
     TemporalSums; and `meta`.
     """
+    tick(0)
     renderer, home = (renderers or Renderers()).begin(job)
     pictures, measured = _Pictures(renderer, job), job.frames_measured()
     read = {*measured, *(frame - 1 for frame in job.at)}

@@ -13,3 +13,6 @@ restirpg_test(light_test
 restirpg_test(random_test
     SOURCES gpu/random_test.cpp
     LINKS restirpg_core restirpg_gpu)
+restirpg_test(kernel_test
+    SOURCES gpu/kernel_test.cpp
+    LINKS restirpg_core restirpg_gpu)

@@ -56,6 +56,29 @@ def test_rendering_writes_what_it_says(scene, tmp_path):
     assert sorted(os.listdir(tmp_path)) == ["a.exr", "a.png"]
 
 
+@pytest.fixture(scope="module")
+def one_kernel(tmp_path_factory):
+    """A graph of a single cheap kernel."""
+    file = tmp_path_factory.mktemp("graphs") / "one_kernel.py"
+    file.write_text('from restirpg import Graph\ngraph = Graph("one")\ngraph.output("image", graph.add("a", "GBuffer").albedo)\n')
+    return file
+
+
+@pytest.mark.parametrize("trouble", ["a file in its place", "no HOME"])
+def test_rendering_goes_on_without_a_cache(scene, one_kernel, tmp_path, trouble):
+    variables = {**os.environ, "RESTIRPG_CACHE_DIR": "/dev/full/cache", "HOME": str(tmp_path)}
+    if trouble == "no HOME":
+        for name in ("HOME", "XDG_CACHE_HOME", "RESTIRPG_CACHE_DIR"):
+            variables.pop(name, None)
+    command = [PROGRAM, "render", one_kernel, "--scene", scene, "--size", "8x8", "--frames", "1", "-o", "a.exr"]
+    done = subprocess.run(
+        list(map(str, command)), cwd=tmp_path, env=variables, text=True, capture_output=True, timeout=600, check=False
+    )
+    assert done.returncode == 0 and (tmp_path / "a.exr").exists(), done.stderr
+    warnings = done.stderr.splitlines()
+    assert len(warnings) == 1 and warnings[0].startswith("warning: ") and "RESTIRPG_CACHE_DIR" in warnings[0]
+
+
 def test_same_seed_same_bytes(scene, tmp_path):
     def digest(seed):
         assert restirpg(*render_command(scene), "--seed", seed, folder=tmp_path)[0] == 0
@@ -108,6 +131,7 @@ def test_the_progress_bar_is_drawn_on_terminals_only(scene, tmp_path):
     os.close(slave)
     drawn = os.read(master, 65536).decode()
     os.close(master)
+    assert "compiling kernels [" in drawn
     assert "rendering [" in drawn and "0/3" in drawn
     assert drawn.endswith("\r\x1b[K"), "the line is cleared at the end"
     assert restirpg(*command, folder=tmp_path)[2] == ""

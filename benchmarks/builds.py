@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""Compare two builds of the renderer: start-up, frames and passes, interleaved, as ratios with their spread.
+
+    benchmarks/builds.py OLD_BUILD NEW_BUILD [--pairs 5] [--graphs ...] [--scenes ...] [--size 160x90] [--frames 8]
+
+OLD_BUILD and NEW_BUILD are build folders, the old one of another clone or worktree. The builds take turns (old, new, old, new ...), so
+that what else the machine does meets both; each turn is a process of its own. Before the first turn each build runs once uncounted, which
+fills the caches. A ratio is old time over new time of one pair: above 1 the new build is faster. Of the ratios the table has the
+geometric mean and, as spread, the factor of one standard error of that mean.
+
+Rows: `start`: making a renderer, warm caches; `second`: another one in the same process; `frame`: all passes (both of them CPU seconds of
+the process and wall time); one row a pass, by the device's timestamps.
+"""
+
+import argparse
+import json
+import math
+import os
+import resource
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def clocks():
+    """CPU and wall ms so far."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return [1e3 * (used.ru_utime + used.ru_stime), 1e3 * time.perf_counter()]
+
+
+def measure(graph, scene, size, frames):
+    """Times of this process's build, in ms by row and clock."""
+    import restirpg
+
+    loaded, described, rows = restirpg.load_scene(scene), restirpg.load_graph(graph), {}
+
+    def timed(row, work, divisor=1):
+        before = clocks()
+        result = work()
+        for clock, start, end in zip(("CPU", "wall"), before, clocks()):
+            rows[f"{row}, {clock}"] = (end - start) / divisor
+        return result
+
+    renderer = timed("start", lambda: restirpg.Renderer(loaded, described, size=size))
+    renderer.render(2)  # kernels may be loaded at their first dispatch, and history is first used in the second frame
+    before = dict(renderer.total_gpu_times())
+    timed("frame", lambda: renderer.render(frames), frames)
+    for name, after in renderer.total_gpu_times().items():
+        rows[f"{name}, device"] = (after - before[name]) / frames
+    timed("second", lambda: restirpg.Renderer(loaded, described, size=size).render(1))
+    return rows
+
+
+def turn(build, case):
+    """One measurement in a process of its own."""
+    package = Path(build) / "python"
+    if not package.is_dir():
+        sys.exit(f"builds.py: {build}: no build folder of restirpg: there is no {package}")
+    done = subprocess.run(
+        [sys.executable, __file__, "--measure", json.dumps(case)],
+        env={**os.environ, "PYTHONPATH": str(package)},
+        capture_output=True,
+        text=True,
+    )
+    if done.returncode != 0:
+        sys.exit(f"builds.py: {build}: {(done.stderr.strip() or 'no message').splitlines()[-1]}")
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def compare(pairs):
+    """Rows of (name, old ms, new ms, ratio, spread) of (old, new) measurements."""
+    rows = []
+    for name in pairs[0][0]:
+        if name not in pairs[0][1]:
+            continue
+        old, new = ([pair[side][name] for pair in pairs] for side in (0, 1))
+        logs = [math.log(a / b) for a, b in zip(old, new) if a > 0 and b > 0]
+        if not logs:
+            continue
+        error = statistics.stdev(logs) / math.sqrt(len(logs)) if len(logs) > 1 else math.nan
+        rows.append((name, statistics.median(old), statistics.median(new), math.exp(statistics.mean(logs)), math.exp(error)))
+    return rows
+
+
+def main():
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("old", help="build folder")
+    parser.add_argument("new", help="build folder")
+    parser.add_argument("--pairs", type=int, default=5)
+    parser.add_argument("--graphs", nargs="+", default=[str(ROOT / "graphs/restir_pg.py")])
+    parser.add_argument("--scenes", nargs="+", default=[str(ROOT / "out/scenes/door_ajar.glb")])
+    parser.add_argument("--size", default="160x90")
+    parser.add_argument("--frames", type=int, default=8)
+    options = parser.parse_args()
+    if options.pairs < 1 or options.frames < 1:
+        parser.error("--pairs and --frames are at least 1")
+    size = [int(side) for side in options.size.split("x")] if options.size.count("x") == 1 else []
+    if len(size) != 2:
+        parser.error(f"--size {options.size}: write WIDTHxHEIGHT, as in 160x90")
+    for graph in options.graphs:
+        for scene in options.scenes:
+            case = {"graph": graph, "scene": scene, "size": size, "frames": options.frames}
+            for build in (options.old, options.new):
+                turn(build, case)
+            pairs = [(turn(options.old, case), turn(options.new, case)) for _ in range(options.pairs)]
+            print(f"\n{Path(graph).stem}, {Path(scene).stem}, {options.size}, {options.pairs} pairs\n")
+            print("| | old, ms | new, ms | old / new | spread |\n| --- | --- | --- | --- | --- |")
+            for name, old, new, ratio, spread in compare(pairs):
+                print(f"| {name} | {old:.4g} | {new:.4g} | {ratio:.2f} | x/ {spread:.3f} |", flush=True)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--measure"]:
+        print(json.dumps(measure(**json.loads(sys.argv[2]))))
+    else:
+        main()

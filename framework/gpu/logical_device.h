@@ -1,0 +1,101 @@
+// What all renderers of a process on one device share: instance, logical device, queue, layouts and pipelines.
+#pragma once
+
+#include "gpu/pipeline.h"
+
+#include <volk.h>
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace restirpg {
+
+/// Which ray tracing back end the kernels are compiled for.
+enum class Backend {
+    software,  ///< two-level BVH2 traversed in the kernel; any device
+    rayQuery,  ///< GL_EXT_ray_query
+};
+
+struct DeviceOptions {
+    std::string device;  ///< index or part of the name, as `restirpg devices` lists them; empty: discrete, else integrated, else CPU
+    std::string backend;  ///< "software", "rayquery" or empty: ray query where the device has it and is no CPU
+    bool validation = false;  ///< validation layer with synchronization validation; RESTIRPG_VALIDATION=1 turns it on too
+};
+
+/// A physical device as `restirpg devices` shows it.
+struct DeviceDescription {
+    std::string name;
+    std::string driver;  ///< name and version
+    std::string type;  ///< "discrete GPU", "integrated GPU", "virtual GPU", "CPU"
+    bool rayQuery = false;
+    std::vector<std::string> missing;  ///< required features it lacks; empty: usable
+};
+
+std::vector<DeviceDescription> listDevices();
+
+/// Every function may be called by several threads at once.
+class LogicalDevice {
+public:
+    /// The one of this process for these options. It lives until the process ends, for the sake of its pipelines. Throws Error naming
+    /// the device, the missing feature and what would provide it.
+    static std::shared_ptr<LogicalDevice> get(const DeviceOptions& options);
+
+    explicit LogicalDevice(const DeviceOptions& options);
+    /// Another of the same physical device, without validation; `original` must outlive it.
+    explicit LogicalDevice(const LogicalDevice& original);
+    ~LogicalDevice();
+    LogicalDevice& operator=(const LogicalDevice&) = delete;
+
+    const DeviceDescription& description() const { return description_; }
+    Backend backend() const { return backend_; }
+    bool isCpu() const { return description_.type == "CPU"; }
+    bool validated() const { return validated_; }  ///< the validation layer is on
+
+    VkDevice handle() const { return device_; }
+    VkPhysicalDevice physical() const { return physical_; }
+    uint32_t queueFamily() const { return queueFamily_; }
+    VkPipelineLayout pipelineLayout() const { return pipelineLayout_; }
+    VkDescriptorSetLayout setLayout() const { return setLayout_; }
+    double timestampPeriod() const { return timestampPeriod_; }  ///< ns a tick
+
+    PipelineCache& pipelines() { return pipelines_; }
+    void setName(uint64_t handle, VkObjectType type, const std::string& name) const;
+    void submit(const VkSubmitInfo& work, VkFence fence);
+
+    /// Messages of the validation layer so far, but for the first ones.
+    std::vector<std::string> messages(size_t first = 0) const;
+    void addMessage(const std::string& message);
+
+private:
+    void create(const DeviceOptions& options);
+    void createLayouts();
+    void destroy();
+
+    DeviceDescription description_;
+    Backend backend_ = Backend::software;
+    bool validated_ = false;
+    VkInstance instance_ = VK_NULL_HANDLE;
+    VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+    VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+    VkDevice device_ = VK_NULL_HANDLE;
+    uint32_t queueFamily_ = 0;
+    VkQueue queue_ = VK_NULL_HANDLE;
+    std::mutex queueMutex_;
+    VkDescriptorSetLayout setLayout_ = VK_NULL_HANDLE;
+    VkPipelineLayout pipelineLayout_ = VK_NULL_HANDLE;
+    double timestampPeriod_ = 1;
+    PipelineCache pipelines_{*this};
+    mutable std::mutex messageMutex_;
+    std::vector<std::string> messages_;
+};
+
+/// Bytes of push constants that a kernel's parameters may take: what every Vulkan device has.
+constexpr uint32_t MAX_PARAMETER_BYTES = 128;
+
+/// Throws std::runtime_error naming the call when `result` is an error; out of memory is an Error.
+void check(VkResult result, const char* call);
+
+}  // namespace restirpg

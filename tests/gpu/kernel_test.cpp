@@ -1,0 +1,169 @@
+// Kernels: compiled side by side, shared by the devices of a process, kept in a cache that may be damaged.
+#include "gpu_test.h"
+
+#include "core/cache_file.h"
+#include "core/error.h"
+
+#include <filesystem>
+#include <fstream>
+#include <span>
+
+#include <unistd.h>
+
+namespace restirpg::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of a test's own, with the cache in it.
+struct Folder {
+    fs::path path = fs::temp_directory_path() / fmt::format("restirpg_kernel_test_{}", getpid());
+
+    Folder()
+    {
+        fs::remove_all(path);
+        fs::create_directories(path);
+        setenv("RESTIRPG_CACHE_DIR", (path / "cache").c_str(), 1);
+    }
+    ~Folder()
+    {
+        unsetenv("RESTIRPG_CACHE_DIR");
+        fs::remove_all(path);
+    }
+    fs::path write(const std::string& name, const std::string& text) const
+    {
+        std::ofstream(path / name) << text;
+        return path / name;
+    }
+    std::vector<fs::path> cached() const
+    {
+        std::vector<fs::path> files;
+        if (fs::exists(path / "cache/spirv"))
+            for (const auto& entry : fs::directory_iterator(path / "cache/spirv"))
+                files.push_back(entry.path());
+        return files;
+    }
+};
+
+std::string kernelOfSize(const std::string& size)
+{
+    return "layout(local_size_x = " + size + ") in;\nvoid main() {}\n";
+}
+
+std::vector<std::byte> bytesOf(const std::string& text)
+{
+    const auto bytes = std::as_bytes(std::span(text));
+    return {bytes.begin(), bytes.end()};
+}
+
+TEST(Kernel, OneOfEachSpirvInAProcess)
+{
+    const Folder folder;
+    const auto file = folder.write("a.comp", kernelOfSize("8"));
+    const auto same = folder.write("b.comp", "// other text\n" + kernelOfSize("8"));
+    const auto other = folder.write("c.comp", kernelOfSize("16"));
+    const DeviceOptions options{.device = testDevice(), .validation = true};
+    const VkPipeline pipeline = [&] {
+        Device first(options);
+        const Kernel kernel(first, file);
+        first.finishKernels();
+        return kernel.pipeline().handle();
+    }();
+    Device second(options);
+    EXPECT_EQ(Kernel(second, file).pipeline().handle(), pipeline);
+    EXPECT_EQ(Kernel(second, same).pipeline().handle(), pipeline);
+    EXPECT_NE(Kernel(second, other).pipeline().handle(), pipeline);
+    EXPECT_EQ(Kernel(second, other).pipeline().groupSize().x, 16u);
+}
+
+TEST(Kernel, TheFirstMistakeIsThrownWithItsPlaceByFinishKernels)
+{
+    const Folder folder;
+    const auto good = folder.write("good.comp", kernelOfSize("8"));
+    const auto bad = folder.write("bad.comp", "layout(local_size_x = 8) in;\nvoid main() { nothing(); }\n");
+    Device device(DeviceOptions{.device = testDevice(), .validation = true});
+    const Kernel first(device, good), second(device, bad), third(device, bad), fourth(device, good);
+    std::vector<uint32_t> told;
+    try {
+        device.finishKernels([&](uint32_t done, uint32_t total) {
+            told.push_back(done);
+            EXPECT_EQ(total, 4u);
+        });
+        ADD_FAILURE() << "nothing was thrown";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("bad.comp:2"), std::string::npos) << error.what();
+    }
+    EXPECT_EQ(told, (std::vector<uint32_t>{0, 1}));
+    EXPECT_EQ(fourth.pipeline().groupSize().x, 8u);
+    device.finishKernels();  // what failed is not said again
+}
+
+TEST(Kernel, AnEditOfAnIncludedFileIsSeen)
+{
+    const Folder folder;
+    folder.write("size.glsl", "#define SIZE 8\n");
+    folder.write("middle.glsl", "#  include \"size.glsl\"\n");
+    const auto file = folder.write("a.comp", "#include \"middle.glsl\"\n" + kernelOfSize("SIZE"));
+    EXPECT_EQ(localSize(compileShader(file)).x, 8u);
+    EXPECT_EQ(localSize(compileShader(file)).x, 8u);
+    EXPECT_EQ(folder.cached().size(), 1u);
+    folder.write("size.glsl", "#define SIZE 16\n");
+    EXPECT_EQ(localSize(compileShader(file)).x, 16u);
+    EXPECT_EQ(localSize(compileShader(file, {{"UNUSED", "1"}})).x, 16u);
+    EXPECT_EQ(folder.cached().size(), 3u);
+    folder.write("other.glsl", "#define SIZE 32\n");
+    EXPECT_EQ(localSize(compileShader(file, {}, {{"size.glsl", folder.path / "other.glsl"}})).x, 32u);
+}
+
+TEST(Kernel, DamagedCacheFilesAreMadeAnew)
+{
+    const Folder folder;
+    const auto file = folder.write("a.comp", kernelOfSize("8"));
+    const Spirv spirv = compileShader(file);
+    ASSERT_EQ(folder.cached().size(), 1u);
+    const fs::path cached = folder.cached().front();
+    const auto intact = readCacheFile(cached);
+    ASSERT_TRUE(intact);
+    const auto size = fs::file_size(cached);
+    for (const uintmax_t left : {uintmax_t(0), uintmax_t(5), uintmax_t(24), size - 4, size - 1}) {
+        fs::resize_file(cached, left);
+        EXPECT_FALSE(readCacheFile(cached)) << left;
+        EXPECT_EQ(compileShader(file), spirv);
+        EXPECT_EQ(readCacheFile(cached), intact) << "was not written anew";
+    }
+}
+
+TEST(CacheFile, EveryFlippedBitIsFound)
+{
+    const Folder folder;
+    const fs::path file = folder.path / "cache/kind/name";
+    const auto contents = bytesOf("some contents");
+    writeCacheFile(file, contents);
+    ASSERT_EQ(readCacheFile(file), contents);
+    const auto size = fs::file_size(file);
+    for (uintmax_t bit = 0; bit < 8 * size; ++bit) {
+        const auto flip = [&] {
+            std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+            stream.seekg(std::streamoff(bit / 8));
+            const char flipped = char(stream.get() ^ (1 << bit % 8));
+            stream.seekp(std::streamoff(bit / 8));
+            stream.put(flipped);
+        };
+        flip();
+        EXPECT_FALSE(readCacheFile(file)) << bit;
+        flip();
+    }
+    EXPECT_EQ(readCacheFile(file), contents);
+}
+
+TEST(CacheFile, AFolderThatCannotBeHadStopsNothing)
+{
+    const Folder folder;
+    folder.write("cache", "a file where the folder should be");
+    const auto file = folder.write("a.comp", kernelOfSize("8"));
+    EXPECT_EQ(localSize(compileShader(file)).x, 8u);
+    EXPECT_FALSE(readCacheFile(folder.path / "cache/spirv/name"));
+}
+
+}  // namespace
+}  // namespace restirpg::test
