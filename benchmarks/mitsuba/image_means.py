@@ -16,7 +16,6 @@ import csv
 import sys
 import tempfile
 import time
-from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +26,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 from harness.render import find_package  # noqa: E402
 
 COLUMNS = ("scene", "renderer", "seed", "width", "height", "bounces", "samples", "r", "g", "b", "seconds")
-HEADER = ("| scene | cap | runs x samples, ours | Mitsuba | image mean, ours | Mitsuba | ours / Mitsuba "
+HEADER = ("| scene | cap | runs and paths, ours | Mitsuba | image mean, ours | Mitsuba | ours / Mitsuba "
           "| ours / literal glTF |\n" + "| --- " * 8 + "|")
 
 
@@ -69,11 +68,11 @@ def run_seed(path, renderer, seed, options):
 
 
 def mean_and_error(rows):
-    """Mean over runs of the image mean (of the three channels), weighted by their samples, and its standard error."""
+    """Mean over runs of the image mean (of the three channels), weighted by their paths, and its standard error."""
     values = np.array([[float(row[channel]) for channel in "rgb"] for row in rows]).mean(axis=1)
-    weights = np.array([float(row["samples"]) for row in rows])
+    weights = np.array([float(row["samples"]) * float(row["width"]) * float(row["height"]) for row in rows])
     mean = np.average(values, weights=weights)
-    variance_of_one = np.sum(weights * (values - mean)**2) / (len(values) - 1)  # of one sample a pixel
+    variance_of_one = np.sum(weights * (values - mean)**2) / (len(values) - 1)  # of one path
     return mean, np.sqrt(variance_of_one / weights.sum())
 
 
@@ -85,16 +84,22 @@ def ratio(rows, others):
     return a / b, a / b * np.hypot(a_error / a, b_error / b)
 
 
+def paths(rows):
+    """Runs, and the paths that they have together."""
+    count = sum(int(row["samples"]) * int(row["width"]) * int(row["height"]) for row in rows)
+    return f"{len(rows)}, {count / 1e6:.2g} M"
+
+
 def print_table(rows):
-    """One row a scene, cap and size that has two runs of each renderer or more."""
+    """One row a scene and cap that has two runs of each renderer or more, whatever their sizes."""
     print(HEADER)
-    for scene, bounces, width in dict.fromkeys((row["scene"], row["bounces"], row["width"]) for row in rows):
-        chosen = [row for row in rows if (row["scene"], row["bounces"], row["width"]) == (scene, bounces, width)]
+    for scene, bounces in dict.fromkeys((row["scene"], row["bounces"]) for row in rows):
+        chosen = [row for row in rows if (row["scene"], row["bounces"]) == (scene, bounces)]
         ours, theirs = ([row for row in chosen if row["renderer"] == name] for name in ("ours", "mitsuba"))
         if min(len(ours), len(theirs)) < 2:
             continue
         literal = [row for row in chosen if row["renderer"] == "literal"]
-        counts = [" + ".join(f"{n} x {s}" for s, n in Counter(row["samples"] for row in side).items()) for side in (ours, theirs)]
+        counts = [paths(side) for side in (ours, theirs)]
         means = [f"{value:.5f} +- {error:.5f}" for value, error in map(mean_and_error, (ours, theirs))]
         ratios = [f"{value:.4f} +- {error:.4f}" for value, error in (ratio(ours, theirs), ratio(ours, literal)) if value]
         print("|", " | ".join([scene, bounces, *counts, *means, *ratios, *[""] * (2 - len(ratios))]), "|")
