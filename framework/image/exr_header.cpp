@@ -9,6 +9,7 @@
 #include <bit>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -24,6 +25,14 @@ constexpr int32_t VERSION_MASK = 0xff;
 constexpr int32_t DEEP_FLAG = 0x800;
 constexpr int32_t MULTI_PART_FLAG = 0x1000;
 constexpr size_t MAX_NAME = 255;
+
+/// Attributes that the library reads without looking at their size: with a wrong one it would go on reading elsewhere
+/// than here.
+const std::map<std::string, int32_t> FIXED_SIZES = {
+    {"box2i", 16}, {"box2f", 16},   {"chromaticities", 32}, {"compression", 1}, {"double", 8}, {"envmap", 1},
+    {"float", 4},  {"int", 4},      {"keycode", 28},        {"lineOrder", 1},   {"m33f", 36},  {"m33d", 72},
+    {"m44f", 64},  {"m44d", 128},   {"rational", 8},        {"tiledesc", 9},    {"timecode", 8}, {"v2i", 8},
+    {"v2f", 8},    {"v2d", 16},     {"v3i", 12},            {"v3f", 12},        {"v3d", 24},   {"deepImageState", 1}};
 
 class HeaderWalker {
 public:
@@ -89,6 +98,7 @@ private:
             const std::streamoff begin = stream_.tellg();
             if (size < 0 || uint64_t(size) > size_ - uint64_t(begin))
                 damaged(fmt::format("an attribute claims {} bytes", size));
+            checkSize(type, size);
             if (name == "dataWindow" && size == 16) {
                 const auto box = read<std::array<int32_t, 4>>();  // left, top, right, bottom, all inclusive
                 window = {int64_t(box[2]) - box[0] + 1, int64_t(box[3]) - box[1] + 1};
@@ -111,6 +121,26 @@ private:
             damaged("its header has no data window");
         if (tile)
             checkChunks(((*window)[0] + (*tile)[0] - 1) / (*tile)[0] * (((*window)[1] + (*tile)[1] - 1) / (*tile)[1]));
+    }
+
+    void checkSize(const std::string& type, int32_t size)
+    {
+        const std::streamoff begin = stream_.tellg();
+        int64_t expected = size;
+        if (const auto fixed = FIXED_SIZES.find(type); fixed != FIXED_SIZES.end()) {
+            expected = fixed->second;
+        } else if (type == "chlist") {
+            constexpr int CHANNEL = 16;  // bytes after the name
+            while (!readName().empty())
+                stream_.seekg(CHANNEL, std::ios::cur);
+            expected = stream_.tellg() - begin;
+        } else if (type == "preview") {
+            const auto sides = read<std::array<uint32_t, 2>>();
+            expected = sides[0] <= MAX_IMAGE_SIDE && sides[1] <= MAX_IMAGE_SIDE ? 8 + 4 * int64_t(sides[0]) * sides[1] : -1;
+        }
+        if (expected != size)
+            damaged(fmt::format("an attribute of type {} claims {} bytes", type.substr(0, 32), size));
+        stream_.seekg(begin);
     }
 
     /// Every chunk of pixels has an offset of 8 bytes in a table.

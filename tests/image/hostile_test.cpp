@@ -125,6 +125,21 @@ TEST_F(HostileImage, AHugeDataWindowIsRefusedByItsClaim)
     }
 }
 
+/// OpenEXR reads a channel list to its end and not for as long as its size says: what follows would be read elsewhere.
+TEST_F(HostileImage, AnAttributeOfAnotherSizeThanItsTypeIsRefused)
+{
+    const auto good = readBytes(exr());
+    for (const std::string key : {std::string("channels\0chlist", 15), std::string("dataWindow\0box2i", 16)}) {
+        auto bytes = good;
+        const auto found = std::search(bytes.begin(), bytes.end(), key.begin(), key.end());
+        ASSERT_NE(found, bytes.end());
+        ++found[ptrdiff_t(key.size()) + 1];
+        writeBytes(folder_ / "bad.exr", bytes);
+        const std::string error = errorOf([&] { readExr(folder_ / "bad.exr"); });
+        EXPECT_TRUE(contains(error, "bad.exr: cannot read: an attribute of type")) << error;
+    }
+}
+
 TEST_F(HostileImage, FilesThatAreNotImagesAreRefused)
 {
     for (const std::string text :
