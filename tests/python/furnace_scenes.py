@@ -28,9 +28,9 @@ def body_in_environment(folder, albedo):
     return scene.write(folder)
 
 
-def run_means(file, runs, frames, size=(16, 16), backend=None, seed=0, graph=GRAPH, energy_compensation=False, **knobs):
+def run_means(file, runs, frames, size=(16, 16), backend=None, seed=0, energy_compensation=False, **knobs):
     """Image means of independent runs, float (R,): stretches of `frames` frames, each of which draws fresh numbers."""
-    renderer = restirpg.Renderer(restirpg.load_scene(file), restirpg.load_graph(graph), size=size, seed=seed, backend=backend,
+    renderer = restirpg.Renderer(restirpg.load_scene(file), restirpg.load_graph(GRAPH), size=size, seed=seed, backend=backend,
                                  validation=True, energy_compensation=energy_compensation)
     for name, value in knobs.items():
         renderer.set(f"paths.{name}", value)
