@@ -123,7 +123,7 @@ def test_an_animation_stands_before_between_and_after_what_moves_it(tmp_path, ti
         ({"at": "4,2"}, "no ascending list of frames"),
         ({"at": "32"}, "--at asks for frame 32, and --frames ends the runs after 16"),
         ({"fps": -1, "at": "2"}, "no positive number"),
-        ({"fps": 4, "at": "1,2", "reference": "out/images/moving.reference.exr"}, "show different things"),
+        ({"fps": 4, "at": "1,2", "reference": "moving.reference.exr"}, "show different things"),
     ],
 )
 def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, options, words):
