@@ -108,7 +108,11 @@ fs::path Resources::resolve(std::string_view name, const std::string& place) con
 
 fs::path Resources::resolveUri(const std::string& uri, const std::string& place) const
 {
-    return resolve(percentDecoded(localPart(uri, scene_.string(), place)), place);
+    const auto path = resolve(percentDecoded(localPart(uri, scene_.string(), place)), place);
+    std::error_code error;
+    if (!fs::exists(path, error))
+        fail("{}: {}: '{}': no such file; put it beside the scene", scene_.string(), place, printable(uri));
+    return path;
 }
 
 std::vector<uint8_t> readBytes(const fs::path& path)
