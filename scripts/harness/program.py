@@ -103,7 +103,7 @@ def runner(options, display, count=None):
         try:
             files.make_folder(folder, "--cache")
         except UserError as error:
-            if options.scheduler:  # whose workers may see no other
+            if options.scheduler or folder.is_file():  # whose workers may see no other; a mistake
                 raise
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="restirpg-")))
             kept = "are not kept"

@@ -146,14 +146,14 @@ def test_an_interrupted_comparison_goes_on_to_the_same_tables(tmp_path, undistur
     assert tables(tmp_path) == undisturbed
 
 
-def test_kills_at_any_moment_change_no_number(tmp_path):
+def test_kills_at_any_moment_change_no_number(tmp_path, monkeypatch):
     """A small benchmarks/kills.py."""
 
     def command(folder):
         return arguments(tmp_path, *SLOW, out=folder, **SLOW_OPTIONS)
 
     environment = {**ENVIRONMENT, "PWD": str(tmp_path)}
-    os.chdir(tmp_path)
+    monkeypatch.chdir(tmp_path)
     outcome = kills.torture(command, tmp_path / "kills", 3, random.Random(1), lambda folder: tables(folder, "."),
                             lambda folder: environment)
     assert (outcome.kills, outcome.wrong) == (3, [])
@@ -168,11 +168,12 @@ def test_different_numbers_after_a_kill_are_told(tmp_path):
 
 
 def test_without_a_cache_it_goes_on(tmp_path):
-    (tmp_path / "cache").touch()
-    run = compare(tmp_path, cache="cache")
+    run = compare(tmp_path, cache="/proc/cache")
     assert run.returncode == 0, run.stderr
-    assert "cache: cannot be written to: not a folder" in run.stderr and "will not be kept" in run.stderr
-    assert compare(tmp_path, cache="cache", scheduler="tcp://127.0.0.1:1").returncode == 2
+    assert "/proc/cache: cannot be written to" in run.stderr and "will not be kept" in run.stderr
+    assert compare(tmp_path, cache="/proc/cache", scheduler="tcp://127.0.0.1:1").returncode == 2
+    (tmp_path / "file").touch()
+    assert compare(tmp_path, cache="file").returncode == 2
 
 
 def limited(folder, size, **options):

@@ -404,7 +404,7 @@ def test_a_csv_has_means_and_errors_unscaled(tmp_path):
         (["figure", "5", "--scenes", "README.md"], "README.md"),
         (["figure", "5", "--size", "12"], "'12' is not WIDTHxHEIGHT"),
         (["figure", "5", "--quick", "--full"], "not allowed with"),
-        (["figure", "5", "--cache", "README.md"], "choose one with --cache"),
+        (["figure", "5", "--cache", "README.md"], "README.md: cannot be written to: not a folder; choose another folder with --cache"),
     ],
 )
 def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, arguments, words):
