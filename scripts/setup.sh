@@ -11,6 +11,12 @@ python=/usr/bin/python3  # the distribution's own: its packages do not belong to
 apt_folder=${RESTIRPG_APT_FOLDER:-/etc/apt}  # the tests point it at samples
 least_mesa=25  # lavapipe 22 of Debian 12 lacks ray query and shader features that the kernels use
 
+# The comment at the head of the script that sources this.
+print_help()
+{
+    sed -n '2,${/^#/!q;/shellcheck/!s/^# \{0,1\}//p}' "$0"
+}
+
 stop()
 {
     echo "setup: $*" >&2
@@ -160,11 +166,20 @@ install_packages()
     fi
 }
 
+# For this source and this folder: a clone that was copied or moved with its build would build the other one.
+is_configured()
+{
+    local source folder
+    source=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$build_folder/CMakeCache.txt" 2>/dev/null) || return 1
+    folder=$(sed -n 's/^CMAKE_CACHEFILE_DIR:INTERNAL=//p' "$build_folder/CMakeCache.txt")
+    [[ -f $build_folder/build.ninja && $source -ef $root && $folder -ef $build_folder ]]
+}
+
 build()
 {
     mkdir -p "$MESA_SHADER_CACHE_DIR"
-    [[ -f $build_folder/build.ninja ]] ||
-        cmake -S "$root" -B "$build_folder" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPython3_EXECUTABLE="$python" >&2 ||
+    is_configured ||
+        cmake --fresh -S "$root" -B "$build_folder" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPython3_EXECUTABLE="$python" >&2 ||
         stop "cmake could not configure $build_folder; its message is above"
     ninja -C "$build_folder" "$@" >&2 || stop "the build failed; its message is above"
 }

@@ -1,6 +1,7 @@
 // restirpg graph GRAPH [--dot]: check a graph file and print what it means.
 #include "app/commands.h"
 
+#include "core/error.h"
 #include "core/table.h"
 #include "graph/graph.h"
 
@@ -80,7 +81,7 @@ void addGraphCommand(CLI::App& app)
             fmt::print("{}", graph.dot());
             return;
         }
-        fmt::print("{}\n\n", graph.name());
+        fmt::print("{}\n\n", escaped(graph.name()));
         printOrder(graph);
         printEdges(graph);
         printResources(graph);

@@ -22,7 +22,7 @@ constexpr int EXIT_USER_ERROR = 2;
 
 int refuse(const std::string& message)
 {
-    fmt::print(stderr, "{}\n", message);
+    fmt::print(stderr, "{}\n", restirpg::escaped(message, restirpg::Breaks::kept));
     return EXIT_USER_ERROR;
 }
 
@@ -93,7 +93,7 @@ int main(int argc, char** argv)
         // fmt::print's, when standard output cannot be written.
         return refuse(fmt::format("restirpg: {}", error.what()));
     } catch (const std::exception& error) {
-        fmt::print(stderr, "restirpg: internal error: {}\n", error.what());
+        fmt::print(stderr, "restirpg: internal error: {}\n", restirpg::escaped(error.what()));
         return 1;
     }
     return 0;

@@ -1,10 +1,12 @@
 // restirpg render GRAPH --scene S ...: render frames and write the graph's outputs.
 #include "app/commands.h"
 
+#include "app/interruption.h"
 #include "app/progress.h"
 #include "core/error.h"
 #include "core/log.h"
 #include "core/output_file.h"
+#include "core/paths.h"
 #include "core/table.h"
 #include "image/metrics.h"
 #include "render/renderer.h"
@@ -27,6 +29,7 @@ struct Options {
     std::string scene;
     std::string size = "640x360";
     uint32_t frames = 16;
+    uint32_t keepEvery = 0;  ///< frames; 0: only at the end
     std::string exr;
     std::string png;
     std::string output;  ///< of the graph; empty: all
@@ -60,12 +63,23 @@ void checkFiles(const Options& options)
     for (const auto& [file, extension] : {std::pair(options.exr, ".exr"), std::pair(options.png, ".png")}) {
         if (file.empty())
             continue;
-        if (std::filesystem::path(file).extension() != extension)
-            fail("{}: the name must end in {}", file, extension);
+        requireExtension(file, extension);
         checkWritable(file);
     }
     if (!options.png.empty())
         checkDisplay(options.display);
+}
+
+/// Everything that is read: writing over it would destroy what the picture is made from.
+std::vector<std::filesystem::path> inputsOf(const Options& options, const Graph& graph, const Scene& scene)
+{
+    std::vector<std::filesystem::path> inputs = scene.files;
+    for (const auto& file : {options.graph, options.reference, options.environment, options.display.config})
+        if (!file.empty())
+            inputs.emplace_back(file);
+    const auto named = graph.namedFiles();
+    inputs.insert(inputs.end(), named.begin(), named.end());
+    return inputs;
 }
 
 std::shared_ptr<const Scene> loadScene(const Options& options)
@@ -144,20 +158,41 @@ Image readReference(const Options& options)
     return reference;
 }
 
-/// Renders all frames; returns seconds.
-double renderFrames(Renderer& renderer, uint32_t frames)
+void writeFiles(Renderer& renderer, const Options& options, const std::string& shown)
+{
+    if (!options.exr.empty())
+        renderer.save(options.exr, options.half ? PixelType::half : PixelType::full, options.output);
+    if (!options.png.empty())
+        writePng(options.png, renderer.output(shown), options.display);
+}
+
+/// --keep-every: what cannot be written now may be when all is rendered.
+void keep(Renderer& renderer, const Options& options, const std::string& shown)
+{
+    try {
+        writeFiles(renderer, options, shown);
+    } catch (const Error& error) {
+        warn("{}; frame {} is not kept", error.what(), renderer.frame());
+    }
+}
+
+/// Renders all frames, or until a signal comes; returns seconds.
+double renderFrames(Renderer& renderer, const Options& options, const std::string& shown, const Interruption& interruption)
 {
     const auto start = std::chrono::steady_clock::now();
-    Progress progress("rendering", frames);
-    for (uint32_t i = 0; i < frames; ++i) {
+    Progress progress("rendering", options.frames);
+    while (renderer.frame() < options.frames && interruption.signal() == 0) {
         renderer.render(1);
         progress.advance();
+        if (options.keepEvery > 0 && renderer.frame() % options.keepEvery == 0 && renderer.frame() < options.frames)
+            keep(renderer, options, shown);
     }
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void printTimes(const Renderer& renderer, uint32_t frames, double seconds)
+void printTimes(const Renderer& renderer, double seconds)
 {
+    const uint32_t frames = renderer.frame();
     Table table({"pass", "GPU ms a frame"});
     double total = 0;
     for (const auto& [pass, milliseconds] : renderer.totalGpuTimes()) {
@@ -177,41 +212,39 @@ void reportInvalid(Renderer& renderer)
             for (const float frames : renderer.output(output.name).data)
                 count += frames;
     if (count > 0)
-        warn("{} samples were NaN or infinite and were left out; output 'invalid' shows where", count);
+        warn("{} of {} samples were NaN, infinite or too large to add up and are left out: the mean is wrong where they were, which "
+             "output 'invalid' shows",
+             count, renderer.frame() * double(renderer.options().width) * renderer.options().height);
 }
 
 void writeResults(Renderer& renderer, const Options& options, const std::string& shown, const Image& reference)
 {
     const Image image = renderer.output(shown);
     reportInvalid(renderer);
-    if (!options.exr.empty()) {
-        renderer.save(options.exr, options.half ? PixelType::half : PixelType::full, options.output);
-        fmt::print("wrote {}\n", options.exr);
-    }
-    if (!options.png.empty()) {
-        writePng(options.png, image, options.display);
-        fmt::print("wrote {}\n", options.png);
-    }
+    writeFiles(renderer, options, shown);
+    for (const auto& file : {options.exr, options.png})
+        if (!file.empty())
+            fmt::print("wrote {}\n", escaped(file));
     if (!reference.empty()) {
         const Errors errors = measureErrors(image, reference);
         fmt::print("against {}: MAPE {:.6g}, relMSE {:.6g}, RMSE {:.6g}, bias {:+.4g}, invalid pixels {}\n",
-                   options.reference, errors.mape, errors.relMse, errors.rmse, errors.bias, errors.invalid);
+                   escaped(options.reference), errors.mape, errors.relMse, errors.rmse, errors.bias, errors.invalid);
     }
 }
 
 void render(Options& options)
 {
     parseSize(options.size, options.renderer);
-    if (!(options.renderer.framesPerSecond >= 0) ||
-        !std::isfinite(options.renderer.framesPerSecond + options.renderer.time))
-        fail("--time {} --fps {}: give finite numbers, and no negative frame rate", options.renderer.time,
-             options.renderer.framesPerSecond);
+    if (!(std::abs(options.display.exposure) <= 100))
+        fail("--exposure {}: must be a number of stops from -100 to 100", options.display.exposure);
     checkFiles(options);
     auto graph = std::make_unique<Graph>(readGraphFile(options.graph), Plugins());
     const std::string shown = chooseOutput(*graph, options);
     const Image reference = readReference(options);
     const auto scene = loadScene(options);
     setKnobs(*graph, options, *scene);
+    for (const auto& file : {options.exr, options.png})
+        refuseInput(file, inputsOf(options, *graph, *scene));
 
     std::optional<Progress> compiling;
     options.renderer.compiling = [&](uint32_t done, uint32_t total) {
@@ -226,9 +259,14 @@ void render(Options& options)
     fmt::print("{}, {}, {} back end\n", device.name, device.driver,
                renderer.device().backend() == Backend::rayQuery ? "rayquery" : "software");
     std::fflush(stdout);
-    const double seconds = renderFrames(renderer, options.frames);
-    printTimes(renderer, options.frames, seconds);
+    const Interruption interruption;
+    const double seconds = renderFrames(renderer, options, shown, interruption);
+    if (interruption.signal() != 0)
+        logInfo(fmt::format("interrupted after {} of {} frames, which are kept", renderer.frame(), options.frames));
+    printTimes(renderer, seconds);
     writeResults(renderer, options, shown, reference);
+    if (interruption.signal() != 0)
+        interruption.end();
 }
 
 void addInputOptions(CLI::App& command, Options& options)
@@ -255,12 +293,13 @@ void addOutputOptions(CLI::App& command, Options& options)
     command.add_option("--frames", options.frames, "Frames to render")
         ->check(CLI::Range(1u, 100000000u))
         ->capture_default_str();
+    command.add_option("--keep-every", options.keepEvery, "Write the files every so many frames too, for long renderings");
     command.add_option("--seed", options.renderer.seed, "Seed of all random numbers")->capture_default_str();
     command.add_option("-o", options.exr, "EXR file for the outputs: the first as R, G, B, the others as layers");
     command.add_flag("--half", options.half, "Half floats in the EXR");
     command.add_option("--output", options.output, "Write only this output of the graph");
     command.add_option("--png", options.png, "PNG file for the picture");
-    command.add_option("--exposure", options.display.exposure, "Of the PNG, in stops");
+    command.add_option("--exposure", options.display.exposure, "Of the PNG, in stops, -100 to 100");
     command.add_option("--ocio", options.display.config,
                        "OpenColorIO config for the PNG (default: a small one of our own)");
     command.add_option("--display", options.display.display, "Display of that config");

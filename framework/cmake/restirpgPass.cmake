@@ -11,7 +11,10 @@ function(restirpg_add_pass name)
     add_library(${target} MODULE ${pass_SOURCES})
     set_target_properties(${target} PROPERTIES PREFIX "" CXX_STANDARD 20 CXX_STANDARD_REQUIRED ON)
     target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
-    target_compile_definitions(${target} PRIVATE RESTIRPG_PASS_FOLDER="${CMAKE_CURRENT_SOURCE_DIR}")
+    # As seen from the library, so that a tree that is moved with its sources goes on.
+    file(REAL_PATH ${CMAKE_CURRENT_SOURCE_DIR} source_folder)
+    target_compile_definitions(${target} PRIVATE
+        RESTIRPG_PASS_FOLDER="$<PATH:RELATIVE_PATH,${source_folder},$<TARGET_FILE_DIR:${target}>>")
     if(TARGET restirpg::restirpg)
         target_link_libraries(${target} PRIVATE restirpg::restirpg)
     else()

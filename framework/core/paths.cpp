@@ -1,5 +1,7 @@
 #include "core/paths.h"
 
+#include "core/error.h"
+
 #include <dlfcn.h>
 
 #include <cstdlib>
@@ -22,14 +24,21 @@ fs::path shareFolder()
     return fs::exists(share) ? fs::weakly_canonical(share) : fs::path();
 }
 
+/// The folder `framework` of the source tree, which the build tree finds beside itself.
+fs::path sourceFolder()
+{
+    return fs::weakly_canonical(libraryFolder() / RESTIRPG_SOURCE_FRAMEWORK);
+}
+
 }  // namespace
 
 fs::path libraryFolder()
 {
     Dl_info info;
-    if (dladdr(reinterpret_cast<const void*>(&libraryFolder), &info) && info.dli_fname)
+    if (dladdr(reinterpret_cast<const void*>(&libraryFolder), &info) && info.dli_fname && fs::path(info.dli_fname).is_absolute())
         return fs::weakly_canonical(info.dli_fname).parent_path();
-    return fs::current_path();
+    // The program itself, by the name that it was started with: that may be relative to a working directory of another time.
+    return fs::read_symlink("/proc/self/exe").parent_path();
 }
 
 fs::path shaderFolder()
@@ -38,21 +47,21 @@ fs::path shaderFolder()
         return given;
     if (const auto share = shareFolder(); !share.empty())
         return share / "shaders";
-    return fs::path(RESTIRPG_SOURCE_FRAMEWORK) / "shaders";
+    return sourceFolder() / "shaders";
 }
 
 fs::path pythonFolder()
 {
     if (const auto share = shareFolder(); !share.empty())
         return share / "python";
-    return fs::path(RESTIRPG_SOURCE_FRAMEWORK) / "python";
+    return sourceFolder() / "python";
 }
 
 fs::path displayConfig()
 {
     if (const auto share = shareFolder(); !share.empty())
         return share / "default.ocio";
-    return fs::path(RESTIRPG_SOURCE_FRAMEWORK) / "image/default.ocio";
+    return sourceFolder() / "image/default.ocio";
 }
 
 fs::path pluginFolder(const void* inside, const fs::path& source)
@@ -60,8 +69,9 @@ fs::path pluginFolder(const void* inside, const fs::path& source)
     Dl_info info;
     if (!dladdr(inside, &info) || !info.dli_fname)
         return source;
-    const fs::path installed = fs::weakly_canonical(info.dli_fname).replace_extension();
-    return fs::exists(installed) ? installed : source;
+    const fs::path library = fs::weakly_canonical(info.dli_fname);
+    const fs::path installed = fs::path(library).replace_extension();
+    return fs::exists(installed) ? installed : fs::weakly_canonical(library.parent_path() / source);
 }
 
 fs::path pythonInterpreter()
@@ -78,6 +88,20 @@ fs::path cacheFolder()
         return xdg / "restirpg";
     const auto home = environment("HOME");
     return home.empty() ? home : home / ".cache/restirpg";
+}
+
+void requireExtension(const fs::path& file, const std::string& extension)
+{
+    if (file.extension() != extension)
+        fail("{}: the name must end in {}", file.string(), extension);
+}
+
+void refuseInput(const fs::path& output, const std::vector<fs::path>& inputs)
+{
+    std::error_code missing;  // what is not there is not the same
+    for (const auto& input : inputs)
+        if (fs::equivalent(output, input, missing))
+            fail("{}: cannot write: it is the file {}, which was read; choose another name", output.string(), input.string());
 }
 
 }  // namespace restirpg

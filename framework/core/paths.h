@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace restirpg {
 
@@ -18,7 +20,7 @@ std::filesystem::path pythonFolder();
 std::filesystem::path displayConfig();
 
 /// Where a plugin keeps its kernels: the folder of the library's name beside the library (that is how `cmake --install` lays them
-/// out) if there is one, else `source`. `inside` is the address of anything in the plugin. Passes call passFile of graph/pass.h.
+/// out) if there is one, else `source`, as seen from the library's folder. `inside` is the address of anything in the plugin. Passes call passFile of graph/pass.h.
 std::filesystem::path pluginFolder(const void* inside, const std::filesystem::path& source);
 
 /// The interpreter that evaluates graph files: RESTIRPG_PYTHON if set, else the one found at configure time.
@@ -26,5 +28,11 @@ std::filesystem::path pythonInterpreter();
 
 /// Per-user cache: RESTIRPG_CACHE_DIR, else $XDG_CACHE_HOME/restirpg, else ~/.cache/restirpg, else (no HOME) empty.
 std::filesystem::path cacheFolder();
+
+/// Throws Error when the name of `file`, which is to be written, ends in anything but `extension` (".exr").
+void requireExtension(const std::filesystem::path& file, const std::string& extension);
+
+/// Throws Error when `output`, which is to be written, is one of the files that were read, by whatever path or link.
+void refuseInput(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs);
 
 }  // namespace restirpg

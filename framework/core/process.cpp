@@ -2,8 +2,10 @@
 
 #include "core/error.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 
 #include <fcntl.h>
@@ -65,15 +67,27 @@ std::vector<char*> pointers(const std::vector<std::string>& texts)
     return result;
 }
 
-/// Read both pipes to their ends, together: a program that fills one while we wait at the other would hang.
-void drain(Pipe& output, Pipe& errors, ProcessResult& result)
+using Clock = std::chrono::steady_clock;
+constexpr auto NEVER = Clock::time_point::max();
+
+/// Read both pipes to their ends, together: a program that fills one while we wait at the other would hang. False when they are still
+/// open at the deadline.
+bool drain(Pipe& output, Pipe& errors, Clock::time_point deadline, ProcessResult& result)
 {
     std::array<pollfd, 2> polled{{{output.ends[0], POLLIN, 0}, {errors.ends[0], POLLIN, 0}}};
     const std::array<std::string*, 2> texts{&result.output, &result.errors};
     std::array<char, 65536> chunk;
     while (polled[0].fd >= 0 || polled[1].fd >= 0) {
-        if (poll(polled.data(), polled.size(), -1) < 0 && errno != EINTR)
+        int wait = -1;  // ms
+        if (deadline != NEVER)
+            wait = std::max(0, int(std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count()));
+        if (wait == 0)
+            return false;
+        const int ready = poll(polled.data(), polled.size(), wait);
+        if (ready < 0 && errno != EINTR)
             fail("cannot wait for a program's output: {}", std::strerror(errno));
+        if (ready <= 0)
+            continue;
         for (size_t i = 0; i < polled.size(); ++i) {
             if (polled[i].fd < 0 || polled[i].revents == 0)
                 continue;
@@ -84,12 +98,15 @@ void drain(Pipe& output, Pipe& errors, ProcessResult& result)
                 polled[i].fd = -1;
         }
     }
+    return true;
 }
 
 }  // namespace
 
-ProcessResult runProcess(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment)
+ProcessResult runProcess(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment,
+                         std::optional<std::chrono::milliseconds> limit)
 {
+    const auto deadline = limit ? Clock::now() + *limit : NEVER;
     Pipe output, errors;
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
@@ -108,7 +125,9 @@ ProcessResult runProcess(const std::vector<std::string>& command, const std::map
     output.closeEnd(1);
     errors.closeEnd(1);
     ProcessResult result;
-    drain(output, errors, result);
+    result.timedOut = !drain(output, errors, deadline, result);
+    if (result.timedOut)
+        kill(process, SIGKILL);
     int status = 0;
     while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
     }

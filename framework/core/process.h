@@ -1,7 +1,9 @@
 // Running another program and reading what it prints.
 #pragma once
 
+#include <chrono>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,13 +11,14 @@ namespace restirpg {
 
 struct ProcessResult {
     int exitCode = 0;  ///< 128 + signal number when a signal ended it
+    bool timedOut = false;  ///< it was ended after `limit`
     std::string output;
     std::string errors;
 };
 
-/// Run `command` (program, arguments) without a shell and wait for it. `environment` is added to this process's own.
-/// Throws Error when the program cannot be started.
-ProcessResult runProcess(const std::vector<std::string>& command,
-                         const std::map<std::string, std::string>& environment = {});
+/// Run `command` (program, arguments) without a shell and wait for it, no longer than `limit`: then it is ended by SIGKILL.
+/// `environment` is added to this process's own. Throws Error when the program cannot be started.
+ProcessResult runProcess(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment = {},
+                         std::optional<std::chrono::milliseconds> limit = {});
 
 }  // namespace restirpg

@@ -30,7 +30,7 @@ VkTransformMatrixKHR toRows(const glm::mat4x3& m)
 
 }  // namespace
 
-AccelerationStructures::AccelerationStructures(Device& device, std::span<const AccelerationMesh> meshes) : device_(device)
+AccelerationStructures::AccelerationStructures(Device& device, std::span<const AccelerationMesh> meshes) : AccelerationStructures(device)
 {
     for (const auto& mesh : meshes) {
         meshes_.push_back(mesh.triangleCount == 0 ? Structure{}

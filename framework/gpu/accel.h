@@ -31,6 +31,7 @@ public:
     VkAccelerationStructureKHR topLevel() const { return top_.handle; }
 
 private:
+    explicit AccelerationStructures(Device& device) : device_(device) {}
     struct Structure {
         VkAccelerationStructureKHR handle = VK_NULL_HANDLE;
         Buffer storage;

@@ -200,6 +200,16 @@ void release()
     new auto(std::move(devices));  // what is a parent's stays untouched
 }
 
+/// Drivers, the builder of hierarchies and their threads are not in a process that was forked after they came to life: it would wait
+/// for them without end.
+void refuseForked()
+{
+    static const pid_t first = getpid();
+    if (getpid() != first)
+        fail("Vulkan cannot be used in a process that was forked after its first use; start processes by "
+             "multiprocessing.get_context(\"spawn\")");
+}
+
 }  // namespace
 
 void check(VkResult result, const char* call)
@@ -208,11 +218,12 @@ void check(VkResult result, const char* call)
         return;
     if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY)
         fail("the device is out of memory ({}); render a smaller image or a smaller scene", call);
-    throw std::runtime_error(fmt::format("{} failed with VkResult {}", call, int(result)));
+    fail("the Vulkan driver failed: {} gave VkResult {}; give the program more memory (ulimit -v), or update the driver", call, int(result));
 }
 
 std::vector<DeviceDescription> listDevices()
 {
+    refuseForked();
     VkDebugUtilsMessengerCreateInfoEXT unused{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
     VkInstance instance = createInstance(false, unused);
     std::vector<DeviceDescription> descriptions;
@@ -224,6 +235,7 @@ std::vector<DeviceDescription> listDevices()
 
 std::shared_ptr<LogicalDevice> LogicalDevice::get(const DeviceOptions& options)
 {
+    refuseForked();
     auto& known = registry();
     std::lock_guard lock(known.mutex);
     auto& device = known.devices[{getpid(), options.device, options.backend, wantsValidation(options)}];

@@ -95,7 +95,7 @@ private:
 /// Bytes of push constants that a kernel's parameters may take: what every Vulkan device has.
 constexpr uint32_t MAX_PARAMETER_BYTES = 128;
 
-/// Throws std::runtime_error naming the call when `result` is an error; out of memory is an Error.
+/// Throws Error naming the call when `result` is one.
 void check(VkResult result, const char* call);
 
 }  // namespace restirpg

@@ -124,7 +124,7 @@ fs::path cachedFile(const fs::path& file, const std::string& preamble, const Inc
 {
     const fs::path folder = cacheFolder();
     if (folder.empty()) {
-        warn("no HOME, so there is no cache: kernels are compiled again at every start (RESTIRPG_CACHE_DIR names a folder for it)");
+        warn("{}", "no HOME, so there is no cache: kernels are compiled again at every start (RESTIRPG_CACHE_DIR names a folder for it)");
         return {};
     }
     Hash hash;
@@ -155,11 +155,11 @@ Spirv translate(const fs::path& file, const std::string& preamble, const Include
     glslang::TShader shader(EShLangCompute);
     setUp(shader, &source, &sourceName, preamble);
     if (!shader.parse(GetDefaultResources(), 460, ECoreProfile, false, false, MESSAGES, includer))
-        fail("{}", shader.getInfoLog());
+        throw Error(shader.getInfoLog());
     glslang::TProgram program;
     program.addShader(&shader);
     if (!program.link(MESSAGES))
-        fail("{}: {}", name, program.getInfoLog());
+        throw Error(fmt::format("{}: {}", name, program.getInfoLog()));
     Spirv words;
     glslang::GlslangToSpv(*program.getIntermediate(EShLangCompute), words);
     return words;

@@ -71,13 +71,7 @@ Table knobTable(const Interface& interface)
 
 std::string describePass(const PluginEntry& entry, TextFormat format)
 {
-    const auto pass = entry.create();
-    Interface interface;
-    try {
-        pass->describe(interface);
-    } catch (const Error& error) {
-        fail("pass type '{}' describes itself wrongly: {}", entry.name, error.what());
-    }
+    const auto [pass, interface] = runPlugin(fmt::format("pass type '{}' ", entry.name), [&] { return instantiate(entry); });
     const bool markdown = format == TextFormat::markdown;
     std::string text = markdown ? "" : fmt::format("{}: {}\n", entry.name, entry.meaning);
     for (const auto& table : {inputTable(interface), outputTable(interface), knobTable(interface)})

@@ -12,6 +12,9 @@ namespace {
 
 using nlohmann::json;
 
+constexpr size_t MOST_PASSES = 1000;  // ordering takes the square of their number, and no device has memory for more
+constexpr size_t MOST_MISTAKES = 50;  // of which a message tells
+
 /// Letters, digits and underscores: names become "pass.knob" on the command line and layers of an EXR.
 bool isIdentifier(const std::string& name)
 {
@@ -151,6 +154,10 @@ void parseArray(const json& object, const char* member, Reader& reader, Parse pa
         reader.wrong({reader.file(), 0}, fmt::format("\"{}\" is not an array", member));
         return;
     }
+    if (found->size() > MOST_PASSES) {
+        reader.wrong({reader.file(), 0}, fmt::format("\"{}\" has {} elements; a graph has at most {}", member, found->size(), MOST_PASSES));
+        return;
+    }
     for (size_t i = 0; i < found->size(); ++i)
         if (auto result = parse((*found)[i], i, reader))
             results.push_back(std::move(*result));
@@ -160,16 +167,20 @@ void parseArray(const json& object, const char* member, Reader& reader, Parse pa
 
 void Mistakes::add(const Location& where, const std::string& message, const std::string& help)
 {
+    if (++count_ > MOST_MISTAKES)
+        return;
     if (!text_.empty())
         text_ += '\n';
-    text_ += where.text() + ": " + message;
+    text_ += escaped(where.text() + ": " + message);
     if (!help.empty())
-        text_ += "\n    " + help;
+        text_ += "\n    " + escaped(help);
 }
 
 void Mistakes::raise() const
 {
-    if (!text_.empty())
+    if (count_ > MOST_MISTAKES)
+        throw Error(fmt::format("{}\nand {} more mistakes", text_, count_ - MOST_MISTAKES));
+    if (count_ > 0)
         throw Error(text_);
 }
 

@@ -23,12 +23,13 @@ class Mistakes {
 public:
     /// One mistake in one line; `help` goes indented below it.
     void add(const Location& where, const std::string& message, const std::string& help = {});
-    bool empty() const { return text_.empty(); }
+    bool empty() const { return count_ == 0; }
     /// Throws Error with every mistake so far, if there is one.
     void raise() const;
 
 private:
     std::string text_;
+    size_t count_ = 0;
 };
 
 /// The far end of an edge: "pass.output", this frame's or the frame before's.

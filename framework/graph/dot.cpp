@@ -1,4 +1,5 @@
 // A graph as Graphviz text.
+#include "core/error.h"
 #include "graph/graph.h"
 
 #include <fmt/format.h>
@@ -7,7 +8,7 @@ namespace restirpg {
 namespace {
 
 /// The inside of a quoted Graphviz string.
-std::string escaped(const std::string& text)
+std::string quoted(const std::string& text)
 {
     std::string result;
     for (const char c : text) {
@@ -22,7 +23,7 @@ std::string escaped(const std::string& text)
 
 std::string Graph::dot() const
 {
-    std::string text = fmt::format("digraph \"{}\" {{\n    node [shape=box];\n", escaped(name_));
+    std::string text = fmt::format("digraph \"{}\" {{\n    node [shape=box];\n", quoted(escaped(name_)));
     for (const auto& pass : passes_)
         text += fmt::format("    \"{}\" [label=\"{}\\n{}\"{}];\n", pass.name, pass.name, pass.type,
                             pass.live ? "" : ", style=dotted");

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <tuple>
 
 namespace restirpg {
 namespace {
@@ -29,6 +30,38 @@ void setLocated(const GraphPass& pass, Set set)
     } catch (const Error& error) {
         fail("{}: {}", label(pass), error.what());
     }
+}
+
+std::string textOf(const Knob& knob)
+{
+    return knob.get().dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// The knobs of one name and different values of two passes: "'cells' (1024 and 2048)".
+std::string differingKnobs(const GraphPass& a, const GraphPass& b)
+{
+    std::vector<std::string> texts;
+    for (const auto& knob : a.interface.knobs())
+        for (const auto& other : b.interface.knobs())
+            if (knob.name == other.name && knob.get() != other.get())
+                texts.push_back(fmt::format("'{}' ({} and {})", knob.name, textOf(knob), textOf(other)));
+    return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+/// The reader must expect as many bytes as there are: it would read beyond the end, or a layout that is not there.
+void checkSize(const GraphPass& source, uint32_t output, const GraphPass& target, uint32_t input, Mistakes& mistakes)
+{
+    constexpr uint32_t WIDTH = 61, HEIGHT = 37;  // of any image: sizes that agree do so for all
+    const auto& made = source.interface.outputs()[output];
+    const auto& wanted = target.interface.inputs()[input];
+    const uint64_t expected = wanted.type.bytes(WIDTH, HEIGHT);
+    if (expected == 0 || expected == made.type.bytes(WIDTH, HEIGHT))
+        return;
+    const auto knobs = differingKnobs(target, source);
+    mistakes.add(target.location,
+                 fmt::format("input '{}' of {} reads {}, but {}.{} of {} has {}", wanted.name, label(target), wanted.type.sizeText(),
+                             source.name, made.name, label(source), made.type.sizeText()),
+                 knobs.empty() ? "" : fmt::format("give both the same knobs: {}", knobs));
 }
 
 }  // namespace
@@ -54,6 +87,53 @@ Graph::Graph(nlohmann::json description, const Plugins& plugins) : description_(
             order_.push_back(pass);
     }
     resources_ = planResources(passes_, edges_, outputs_, order_);
+    connectPorts();
+    check();
+}
+
+/// Tell the passes which of their ports are wired, and to what.
+void Graph::connectPorts()
+{
+    for (const auto& edge : edges_) {
+        auto& input = *passes_[edge.target].interface.inputs()[edge.input].target;
+        input.wired = true;
+        input.module = passes_[edge.source].interface.outputs()[edge.output].type.module;
+    }
+    for (const auto& resource : resources_)
+        passes_[resource.pass].interface.outputs()[resource.output].target->wired = true;
+}
+
+void Graph::check() const
+{
+    Mistakes mistakes;
+    for (const auto& edge : edges_)
+        if (passes_[edge.target].live)
+            checkSize(passes_[edge.source], edge.output, passes_[edge.target], edge.input, mistakes);
+    for (const uint32_t index : order_) {
+        const auto& pass = passes_[index];
+        try {
+            runPlugin("", [&] { pass.pass->check(); });
+        } catch (const Error& error) {
+            mistakes.add(pass.location, label(pass) + ": " + error.what());
+        }
+    }
+    mistakes.raise();
+}
+
+GraphPass Graph::copyOf(const GraphPass& pass) const
+{
+    GraphPass copy{pass.name, pass.type, pass.location, pass.entry};
+    copy.live = pass.live;
+    std::tie(copy.pass, copy.interface) = runPlugin(label(pass) + " ", [&] { return instantiate(*pass.entry); });
+    for (size_t i = 0; i < pass.interface.inputs().size(); ++i) {
+        copy.interface.inputs()[i].target->wired = pass.interface.inputs()[i].target->wired;
+        copy.interface.inputs()[i].target->module = pass.interface.inputs()[i].target->module;
+    }
+    for (size_t i = 0; i < pass.interface.outputs().size(); ++i)
+        copy.interface.outputs()[i].target->wired = pass.interface.outputs()[i].target->wired;
+    for (size_t i = 0; i < pass.interface.knobs().size(); ++i)
+        copy.interface.knobs()[i].set(pass.interface.knobs()[i].get());
+    return copy;
 }
 
 GraphPass* Graph::find(const std::string& name)
@@ -97,15 +177,34 @@ void Graph::setKnob(const std::string& path, const nlohmann::json& value)
 
 uint32_t Graph::setKnobEverywhere(const std::string& knob, const nlohmann::json& value)
 {
-    uint32_t count = 0;
+    std::vector<std::pair<Knob*, nlohmann::json>> before;
     for (auto& pass : passes_) {
         auto* turned = findKnob(pass, knob);
         if (!turned)
             continue;
-        setLocated(pass, [&] { turned->set(value); });
-        ++count;
+        const auto kept = turned->get();
+        try {
+            setLocated(pass, [&] { turned->set(value); });
+        } catch (const Error&) {
+            for (const auto& [other, old] : before)
+                other->set(old);
+            throw;
+        }
+        before.emplace_back(turned, kept);
     }
-    return count;
+    return uint32_t(before.size());
+}
+
+std::vector<std::filesystem::path> Graph::namedFiles() const
+{
+    std::vector<std::filesystem::path> files;
+    std::error_code unreadable;
+    for (const auto& pass : passes_)
+        for (const auto& knob : pass.interface.knobs())
+            if (knob.typeName() == "string")
+                if (const auto text = knob.get().get<std::string>(); std::filesystem::is_regular_file(text, unreadable))
+                    files.emplace_back(text);
+    return files;
 }
 
 nlohmann::json Graph::description() const

@@ -28,10 +28,16 @@ struct GraphPass {
     std::string name;  ///< in the graph: "paths"
     std::string type;  ///< the plugin: "PathTracerGuided"
     Location location;  ///< of its Graph.add
+    const PluginEntry* entry = nullptr;
     std::unique_ptr<Pass> pass;
     Interface interface;
     bool live = false;  ///< reachable from the graph's outputs, over all edges
 };
+
+/// "pass 'paths' (PathTracerGuided)"
+std::string label(const GraphPass& pass);
+/// The same after its place: "graphs/restir_pg.py:11: pass 'paths' (PathTracerGuided)".
+std::string placeOf(const GraphPass& pass);
 
 /// A named output of the graph.
 struct GraphOutput {
@@ -68,14 +74,24 @@ public:
     /// A live or dead pass by name; nullptr when there is none.
     GraphPass* find(const std::string& name);
 
+    /// Throws Error with every place where knobs, sizes and wiring, each right by itself, do not go together. Done when the graph
+    /// is loaded; knobs may disagree while they are being changed, so again before a frame.
+    void check() const;
+
+    /// Another instance of a pass, with its wiring and knobs.
+    GraphPass copyOf(const GraphPass& pass) const;
+
     /// The knob "pass.knob". Throws Error in one line, naming what there is and the nearest name.
     Knob& knob(const std::string& path);
     /// Set "pass.knob" from text, as `--set` has it; throws as knob(), and when the value does not suit.
     void setKnobFromText(const std::string& path, const std::string& text);
     /// Set "pass.knob" from a value; throws as knob(), and when the value does not suit.
     void setKnob(const std::string& path, const nlohmann::json& value);
-    /// Set `knob` on every pass that has it; the number of passes that do. Throws Error when the value does not suit.
+    /// Set `knob` on every pass that has it; the number of passes that do. Throws Error, having set none, when the value does not suit.
     uint32_t setKnobEverywhere(const std::string& knob, const nlohmann::json& value);
+
+    /// The files that there are among the values of text knobs: what passes read.
+    std::vector<std::filesystem::path> namedFiles() const;
 
     /// The description with the knobs as they are now: what an EXR header carries, and a valid graph file.
     nlohmann::json description() const;
@@ -84,6 +100,8 @@ public:
     std::string dot() const;
 
 private:
+    void connectPorts();
+
     std::string name_;
     nlohmann::json description_;
     std::vector<GraphPass> passes_;

@@ -20,13 +20,29 @@ namespace fs = std::filesystem;
 
 /// A description nests 5 deep; copying JSON recurses, so that a hostile file could exhaust the stack.
 constexpr int MAXIMUM_DEPTH = 64;
+/// restirpg/evaluate.py ends a file in time and says where it was. This is for one that does not even let itself be interrupted.
+constexpr std::chrono::seconds GRACE(3);
+constexpr uint64_t LARGEST_FILE = 16u << 20;
+
+/// That a Python file may take: RESTIRPG_GRAPH_SECONDS, else 30.
+std::chrono::seconds timeLimit()
+{
+    const char* given = std::getenv("RESTIRPG_GRAPH_SECONDS");
+    const int seconds = given ? std::atoi(given) : 0;
+    return std::chrono::seconds(seconds > 0 ? seconds : 30);
+}
 
 std::string readText(const fs::path& file)
 {
+    std::error_code unknown;
+    if (fs::exists(file, unknown) && !fs::is_directory(file) && !fs::is_regular_file(file))
+        fail("{}: cannot read the graph file: it is a pipe or a device", file.string());
     std::ifstream stream(file, std::ios::binary);
     std::ostringstream text;
     if (!stream || fs::is_directory(file))
         fail("{}: cannot read the graph file: {}", file.string(), std::strerror(stream ? EISDIR : errno));
+    if (const auto bytes = fs::file_size(file, unknown); bytes > LARGEST_FILE)
+        fail("{}: cannot read the graph file: it has {} bytes, a graph at most {}", file.string(), bytes, LARGEST_FILE);
     text << stream.rdbuf();
     return text.str();
 }
@@ -59,15 +75,18 @@ std::string evaluate(const fs::path& file)
     std::string modules = pythonFolder().string();
     if (const char* inherited = std::getenv("PYTHONPATH"))
         modules += std::string(":") + inherited;
+    const auto limit = timeLimit();
     const auto result = [&] {
         try {
             // -B: leave no __pycache__ in the user's folder.
-            return runProcess({pythonInterpreter().string(), "-B", "-m", "restirpg.evaluate", file.string()},
-                              {{"PYTHONPATH", modules}, {"PYTHONIOENCODING", "utf-8"}});
+            return runProcess({pythonInterpreter().string(), "-B", "-m", "restirpg.evaluate", file.string(), std::to_string(limit.count())},
+                              {{"PYTHONPATH", modules}, {"PYTHONIOENCODING", "utf-8"}}, limit + GRACE);
         } catch (const Error& error) {
             fail("{}: {}; RESTIRPG_PYTHON names the interpreter", file.string(), error.what());
         }
     }();
+    if (result.timedOut)
+        fail("{}: evaluating the graph file takes more than {} s; look for a loop that does not end", file.string(), limit.count());
     std::string errors = result.errors;
     while (!errors.empty() && errors.back() == '\n')
         errors.pop_back();

@@ -44,6 +44,13 @@ void addKnob(std::vector<Knob>& knobs, const std::vector<InputPort>& inputs, Kno
     knobs.push_back(std::move(knob));
 }
 
+void mark(std::vector<InputPort>& inputs, Moment moment)
+{
+    if (inputs.empty())
+        fail("it tells an input's frame before any input is declared");
+    inputs.back().moment = moment;
+}
+
 }  // namespace
 
 void Interface::input(const std::string& name, In<Buffer>& target, PortType type, const std::string& meaning)
@@ -56,6 +63,16 @@ void Interface::optionalInput(const std::string& name, In<Buffer>& target, PortT
 {
     input(name, target, std::move(type), meaning);
     inputs_.back().optional = true;
+}
+
+void Interface::ofThisFrame()
+{
+    mark(inputs_, Moment::thisFrame);
+}
+
+void Interface::ofFrameBefore()
+{
+    mark(inputs_, Moment::frameBefore);
 }
 
 void Interface::together(std::vector<std::string> names)

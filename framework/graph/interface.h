@@ -14,19 +14,24 @@ namespace restirpg {
 
 class Buffer;  // gpu/buffer.h
 
-/// What travels along an edge. Two ports connect when their type names are equal.
+/// What travels along an edge. A name stands for what the bytes mean, not for how many there are: an input takes the outputs that
+/// have its type's name, or whose family has that name, and whose size is that of the input's type where it tells one.
 struct PortType {
-    std::string name;  ///< "Image3", "Surface", ...
+    std::string name;  ///< "Image3", "Surface", "GridGuide", ...
     uint32_t channels = 0;  ///< > 0: a float image (H, W, channels), readable as a NumPy array and writable as an EXR layer
     uint32_t bytesPerPixel = 0;
     std::function<uint64_t()> fixedBytes = {};  ///< when set, bytes of the whole resource, whatever the image size (read after knobs are set)
     std::function<uint64_t()> pixelBytes = {};  ///< when set, stands for bytesPerPixel: a size that follows a knob (read after knobs are set)
     std::string module = {};  ///< GLSL that comes with the resource (how to read a guide): the reader compiles it in, see In::module
+    std::string family = {};  ///< of an output: the name of all types like it ("Guide"); an input of that name takes any of them
 
     uint64_t bytes(uint32_t width, uint32_t height) const
     {
         return fixedBytes ? fixedBytes() : (pixelBytes ? pixelBytes() : bytesPerPixel) * width * height;
     }
+
+    /// Does an input of this type take what `output` is?
+    bool takes(const PortType& output) const { return output.name == name || output.family == name; }
 
     /// "16 B/pixel" or "1024 B".
     std::string sizeText() const
@@ -39,6 +44,12 @@ struct PortType {
 inline PortType image(uint32_t channels)
 {
     return {"Image" + std::to_string(channels), channels, 4 * channels, {}};
+}
+
+/// Where the point of a pixel was in the frame before, minus where it is: an image of 2 channels, in pixels, x right and y down.
+inline PortType motionVectors()
+{
+    return {"Motion", 2, 2 * sizeof(float), {}};
 }
 
 /// One T for each pixel, row by row; `name` is the type's name.
@@ -61,29 +72,45 @@ inline PortType fixedSize(const std::string& name, std::function<uint64_t()> byt
     return {name, 0, 0, std::move(bytes)};
 }
 
-/// A guide: `layout` tells its size, `module` is the GLSL file that gives it a meaning (see shaders/guide.glsl).
-inline PortType guide(PortType layout, std::string module)
+/// A guide of the type `name`: `layout` tells its size, `module` is the GLSL file that gives it a meaning (see shaders/guide.glsl).
+inline PortType guide(const std::string& name, PortType layout, std::string module)
 {
-    layout.name = "Guide";
+    layout.name = name;
     layout.module = std::move(module);
+    layout.family = "Guide";
     return layout;
+}
+
+/// For inputs that take any guide and read it by its module.
+inline PortType anyGuide()
+{
+    return {"Guide", 0, 0, {}};
 }
 
 /// The member variable behind a port. The executor points it at this frame's buffer before Pass::record.
 template <typename Resource>
 struct In {
-    const Resource* resource = nullptr;  ///< null: the port is not wired
+    bool wired = false;  ///< set with the graph, before Pass::check
+    const Resource* resource = nullptr;  ///< of this frame
     std::string module;  ///< PortType::module of the output wired to it; set before Pass::build
     bool empty = false;  ///< a delayed input without history (first frame, after a resize or a cut): its buffer is zeroed
-    explicit operator bool() const { return resource != nullptr; }
+    explicit operator bool() const { return wired; }
     const Resource* operator->() const { return resource; }
 };
 
 template <typename Resource>
 struct Out {
-    Resource* resource = nullptr;  ///< null: nobody reads this output; already set in Pass::build
-    explicit operator bool() const { return resource != nullptr; }
+    bool wired = false;  ///< somebody reads this output; set with the graph, before Pass::check
+    Resource* resource = nullptr;  ///< already set in Pass::build
+    explicit operator bool() const { return wired; }
     Resource* operator->() const { return resource; }
+};
+
+/// Which frame's output an input takes.
+enum class Moment {
+    any,
+    thisFrame,
+    frameBefore,  ///< wired with prev()
 };
 
 struct InputPort {
@@ -92,6 +119,7 @@ struct InputPort {
     std::string meaning;
     bool optional = false;
     In<Buffer>* target = nullptr;
+    Moment moment = Moment::any;
 };
 
 struct OutputPort {
@@ -106,6 +134,10 @@ class Interface {
 public:
     void input(const std::string& name, In<Buffer>& target, PortType type, const std::string& meaning);
     void optionalInput(const std::string& name, In<Buffer>& target, PortType type, const std::string& meaning);
+    /// Marks the input declared last: it means nothing but with what is made in the same frame.
+    void ofThisFrame();
+    /// Marks the input declared last: it takes what was made one frame ago.
+    void ofFrameBefore();
     /// A graph wires all of these optional inputs, declared before, or none.
     void together(std::vector<std::string> names);
     void output(const std::string& name, Out<Buffer>& target, PortType type, const std::string& meaning);

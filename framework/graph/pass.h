@@ -13,7 +13,7 @@ class Device;  // gpu/device.h
 class Frame;  // render/frame.h
 
 /// Changes whenever a struct or a virtual function that plugins see changes. Checked when a plugin is loaded.
-constexpr uint32_t PLUGIN_ABI = 3;
+constexpr uint32_t PLUGIN_ABI = 4;
 
 class Pass {
 public:
@@ -22,8 +22,12 @@ public:
     /// Declare ports and knobs. Called once, before anything else; touches no GPU.
     virtual void describe(Interface& io) = 0;
 
-    /// Make kernels (they are compiled side by side, after this returns) and load what does not change with the frame. Called before the first frame, when a structural knob or
-    /// the scene changed, and on hot reload.
+    /// Throw Error where knobs and wiring do not go together; fail() with what to mend, without the pass's name. Called when a
+    /// graph is loaded and before every frame, with the ports' `wired` set; touches no GPU.
+    virtual void check() const {}
+
+    /// Make kernels (they are compiled side by side, after this returns) and load what does not change with the frame. Called once,
+    /// before the first frame. When a structural knob changes, a new instance is described and built and takes this one's place.
     virtual void build(Device& device) = 0;
 
     /// Record this frame's dispatches. Barriers between passes and between dispatches are the frame's.

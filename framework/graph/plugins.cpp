@@ -41,6 +41,9 @@ const PluginEntry* load(const fs::path& library, const std::string& name)
     if (entry->abi != PLUGIN_ABI)
         fail("{}: built for plugin ABI {}, this framework has {}; rebuild the pass", library.string(), entry->abi,
              PLUGIN_ABI);
+    if (!entry->name || !entry->meaning || !entry->create)
+        fail("{}: its entry lacks {}; end its source with RESTIRPG_PASS({}, \"...\")", library.string(),
+             !entry->name ? "a name" : !entry->meaning ? "a meaning" : "a function that creates the pass", name);
     if (entry->name != name)
         fail("{}: it contains the pass '{}'; name the file {}{}.so", library.string(), entry->name, PREFIX,
              entry->name);
@@ -48,6 +51,16 @@ const PluginEntry* load(const fs::path& library, const std::string& name)
 }
 
 }  // namespace
+
+std::pair<std::unique_ptr<Pass>, Interface> instantiate(const PluginEntry& entry)
+{
+    std::pair<std::unique_ptr<Pass>, Interface> made;
+    runPlugin("cannot be created: ", [&] { made.first = entry.create(); });
+    if (!made.first)
+        fail("cannot be created: its plugin gave none");
+    runPlugin("describes itself wrongly: ", [&] { made.first->describe(made.second); });
+    return made;
+}
 
 Plugins::Plugins() : folders_(standardFolders())
 {

@@ -1,12 +1,15 @@
 // Finding and loading passes.
 #pragma once
 
+#include "core/error.h"
 #include "graph/pass.h"
 
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace restirpg {
@@ -16,6 +19,25 @@ struct Plugin {
     const PluginEntry* entry = nullptr;
     std::filesystem::path library;  ///< empty for a pass of this process
 };
+
+/// A new pass and what it declares. Throws Error, without the pass's name, when the plugin's code does.
+std::pair<std::unique_ptr<Pass>, Interface> instantiate(const PluginEntry& entry);
+
+/// Run code of a plugin: whatever it throws arrives as an Error that begins with `label` and names what was asked of it, but for
+/// std::bad_alloc, which stays.
+template <typename Action>
+auto runPlugin(const std::string& label, Action action)
+{
+    try {
+        return action();
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& error) {
+        throw Error(label + error.what());
+    } catch (...) {
+        throw Error(label + "it threw what is no std::exception");
+    }
+}
 
 /// Every pass at hand: `restirpg-pass-NAME.so` beside the framework and along RESTIRPG_PLUGIN_PATH (colon separated,
 /// searched first). The file name gives the pass's name; a library is loaded when its pass is first asked for, so that

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <tuple>
 
 namespace restirpg {
 namespace {
@@ -63,18 +64,16 @@ public:
 private:
     void createPass(const DescribedPass& described)
     {
-        GraphPass created{described.name, described.type, described.location, nullptr, {}, false};
+        GraphPass created{described.name, described.type, described.location};
         if (const auto first = indexOf(wiring_.passes, described.name))
             mistakes_.add(described.location, fmt::format("pass '{}' is added twice, first at {}", described.name,
                                                           wiring_.passes[*first].location.text()));
         if (const auto* plugin = plugins_.find(described.type)) {
             try {
-                created.pass = plugin->entry->create();
-                created.pass->describe(created.interface);
-            } catch (const std::exception& error) {
-                mistakes_.add(described.location,
-                              fmt::format("{} describes itself wrongly: {}", label(created), error.what()));
-                created.pass = nullptr;
+                created.entry = plugin->entry;
+                std::tie(created.pass, created.interface) = instantiate(*plugin->entry);
+            } catch (const Error& error) {
+                mistakes_.add(described.location, fmt::format("{} {}", label(created), error.what()));
             }
         } else {
             reportMissing(described);
@@ -153,11 +152,17 @@ private:
         if (!source)
             return;
         const auto& found = wiring_.passes[source->first].interface.outputs()[source->second];
-        if (found.type.name != wanted.type.name)
+        if (!wanted.type.takes(found.type))
             mistakes_.add(pass.location,
                           fmt::format("input '{}' of {} takes {}, but {} is {}", wanted.name, label(pass),
                                       wanted.type.name, port.text(), found.type.name),
                           typeHelp(wanted.type));
+        else if (wanted.moment == (port.delayed ? Moment::thisFrame : Moment::frameBefore))
+            mistakes_.add(pass.location,
+                          fmt::format("input '{}' of {} takes what was made {}, but {} is of {}", wanted.name, label(pass),
+                                      port.delayed ? "in this frame" : "one frame ago", port.text(),
+                                      port.delayed ? "the frame before" : "this frame"),
+                          fmt::format("wire it to {}", DescribedPort{port.pass, port.output, !port.delayed}.text()));
         else
             wiring_.edges.push_back({source->first, source->second, target, input, port.delayed});
     }
@@ -194,7 +199,7 @@ private:
         std::vector<std::string> fitting;
         for (const auto& pass : wiring_.passes)
             for (const auto& output : pass.interface.outputs())
-                if (pass.pass && output.type.name == type.name)
+                if (type.takes(output.type))
                     fitting.push_back(pass.name + "." + output.name);
         return fmt::format("outputs of type {}: {}", type.name,
                            fitting.empty() ? "none" : fmt::format("{}", fmt::join(fitting, ", ")));
@@ -254,6 +259,11 @@ Wiring wire(const Description& description, const Plugins& plugins, Mistakes& mi
 std::string label(const GraphPass& pass)
 {
     return fmt::format("pass '{}' ({})", pass.name, pass.type);
+}
+
+std::string placeOf(const GraphPass& pass)
+{
+    return pass.location.text() + ": " + label(pass);
 }
 
 Knob* findKnob(GraphPass& pass, const std::string& name)

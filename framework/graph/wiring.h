@@ -14,9 +14,6 @@ struct Wiring {
 /// Create the passes and wire them. Every mistake is reported; what is wrong is left out of the result.
 Wiring wire(const Description& description, const Plugins& plugins, Mistakes& mistakes);
 
-/// "pass 'paths' (PathTracerGuided)"
-std::string label(const GraphPass& pass);
-
 /// The knob of a pass; nullptr when it has none of that name.
 Knob* findKnob(GraphPass& pass, const std::string& name);
 

@@ -26,7 +26,7 @@ Image toImage(const FloatArray& array, const std::string& what)
 
 py::object toPython(const nlohmann::json& value)
 {
-    return py::module_::import("json").attr("loads")(value.dump());
+    return py::module_::import("json").attr("loads")(value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
 }
 
 nlohmann::json toJson(const py::object& value)
@@ -50,8 +50,8 @@ PYBIND11_MODULE(_native, module)
     namespace py = pybind11;
     module.doc() =
         "The renderer: load_scene, load_graph, Renderer, and images as NumPy arrays.\n\n"
-        "A mistake of the user raises restirpg.Error, whose text names the file, the place and the mend. No object\n"
-        "here may be used by two threads at once.";
+        "A mistake of the user raises restirpg.Error, whose text names the file, the place and the mend. Threads may\n"
+        "share a Renderer: their calls take turns. A process that was forked after a Renderer was made can make none.";
     py::register_exception<restirpg::Error>(module, "Error", PyExc_RuntimeError).doc() =
         "A user's mistake or an unusable file or device: its text names the place and the mend.";
     restirpg::python::bindImage(module);

@@ -1,7 +1,11 @@
 // Images: EXR, PNG and the error metrics.
 #include "binding.h"
 
+#include "core/error.h"
+#include "core/paths.h"
 #include "image/metrics.h"
+
+#include <cmath>
 
 namespace restirpg::python {
 namespace {
@@ -42,6 +46,7 @@ void writeLayers(const fs::path& file, const py::dict& layers, bool half,
         images.push_back({text, toImage(FloatArray::ensure(array) ? FloatArray::ensure(array) : FloatArray(),
                                         "layer '" + text + "'")});
     }
+    requireExtension(file, ".exr");
     const PixelType type = half ? PixelType::half : PixelType::full;
     py::gil_scoped_release release;
     writeExr(file, images, type, attributes);
@@ -75,6 +80,9 @@ void bindImage(py::module_& module)
         "write_png",
         [](const fs::path& file, const FloatArray& image, float exposure, const std::string& config,
            const std::string& display, const std::string& view) {
+            requireExtension(file, ".png");
+            if (!std::isfinite(exposure))
+                fail("exposure {}: must be finite", exposure);
             writePng(file, toImage(image, "image"), {config, display, view, exposure});
         },
         WRITE_PNG, "file"_a, "image"_a, "exposure"_a = 0.0f, "config"_a = "", "display"_a = "", "view"_a = "");

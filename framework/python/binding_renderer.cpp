@@ -1,10 +1,11 @@
 // The renderer, frame by frame.
 #include "binding.h"
 
-#include "core/error.h"
-#include "render/renderer.h"
+#include "core/paths.h"
+#include "shared_renderer.h"
 
 #include <optional>
+#include <variant>
 
 namespace restirpg::python {
 namespace {
@@ -18,7 +19,9 @@ or None for what suits the device. validation: run under the Vulkan validation l
 0: the scene stands still. time: of the first frame, s. energy_compensation: rough metal and glass give back the light that
 single-scattering GGX loses.
 
-A scene that has a bounce cap of its own sets the knob "bounces" of every pass to it.)";
+A scene that has a bounce cap of its own sets the knob "bounces" of every pass to it.
+
+Threads may share a renderer: their calls take turns, those to render between two frames. A forked process cannot use it.)";
 
 constexpr const char* SEED = R"(Of all random numbers from the next frame on: 0 to 2^32 - 1.
 
@@ -35,7 +38,9 @@ constexpr const char* OUTPUT =
 Raises Error when there is no such output, when it is no image, or before the first frame.)";
 
 constexpr const char* READ_PORT =
-    R"(Raw bytes of any port "pass.output" that somebody reads, after the last frame: uint8 (N,).)";
+    R"(Raw bytes of any port "pass.output" that somebody reads, after the last frame: uint8 (N,).
+
+Raises Error when there is no such port, when nobody reads it, or before the first frame.)";
 
 constexpr const char* CAMERA =
     R"(Where the camera stands: a dictionary of position and target (m), up, and yfov (radians).)";
@@ -48,9 +53,10 @@ position, target: points (3,), m. up: direction (3,). yfov: vertical field of vi
 constexpr const char* MOVE_NODE =
     R"(Give a node a new local matrix (4, 4) relative to its parent, from the next frame on.
 
-Column vectors: the translation is the last column.)";
+node: its name, or its place in Scene.nodes where the name is empty or several have it. Column vectors: the translation is
+the last column.)";
 
-constexpr const char* SAVE = R"(Write the graph's outputs as one EXR: the first as R, G, B, the others as layers.
+constexpr const char* SAVE = R"(Write the graph's outputs as one EXR, whose name ends in .exr: the first as R, G, B, the others as layers.
 
 half: half floats. output: write only this one. The header carries the graph, its knobs, seed, frames, scene, device and
 commit.)";
@@ -68,11 +74,11 @@ nlohmann::json describe(const py::object& graph)
          py::repr(graph).cast<std::string>());
 }
 
-std::unique_ptr<Renderer> makeRenderer(const std::shared_ptr<Scene>& scene, const py::object& graph,
-                                       const std::pair<uint32_t, uint32_t>& size, uint32_t seed,
-                                       const std::optional<py::object>& device,
-                                       const std::optional<std::string>& backend, bool validation, float fps,
-                                       float time, bool energyCompensation)
+std::unique_ptr<SharedRenderer> makeRenderer(const std::shared_ptr<Scene>& scene, const py::object& graph,
+                                             const std::pair<uint32_t, uint32_t>& size, uint32_t seed,
+                                             const std::optional<py::object>& device,
+                                             const std::optional<std::string>& backend, bool validation, float fps,
+                                             float time, bool energyCompensation)
 {
     RendererOptions options;
     options.width = size.first;
@@ -87,24 +93,38 @@ std::unique_ptr<Renderer> makeRenderer(const std::shared_ptr<Scene>& scene, cons
     auto checked = std::make_unique<Graph>(std::move(description), Plugins());
     if (scene->bounceCap)
         checked->setKnobEverywhere("bounces", *scene->bounceCap);
-    return std::make_unique<Renderer>(scene, std::move(checked), options);
+    return std::make_unique<SharedRenderer>(std::make_unique<Renderer>(scene, std::move(checked), options));
 }
 
-void render(Renderer& renderer, uint32_t frames)
+/// A method of the class that is a call of Renderer's: its arguments and result are no Python objects.
+template <typename Result, typename... Arguments>
+auto shared(Result (Renderer::*member)(Arguments...))
+{
+    return [member](SharedRenderer& shared, std::decay_t<Arguments>... arguments) {
+        return shared.run([&](Renderer& renderer) -> std::decay_t<Result> { return (renderer.*member)(arguments...); });
+    };
+}
+
+template <typename Result, typename... Arguments>
+auto shared(Result (Renderer::*member)(Arguments...) const)
+{
+    return [member](SharedRenderer& shared, std::decay_t<Arguments>... arguments) {
+        return shared.run([&](const Renderer& renderer) -> std::decay_t<Result> { return (renderer.*member)(arguments...); });
+    };
+}
+
+void render(SharedRenderer& shared, uint32_t frames)
 {
     for (uint32_t i = 0; i < frames; ++i) {
-        {
-            py::gil_scoped_release release;
-            renderer.render(1);
-        }
+        shared.run([](Renderer& renderer) { renderer.render(1); });
         if (PyErr_CheckSignals() != 0)
             throw py::error_already_set();
     }
 }
 
-py::array_t<uint8_t> readPort(Renderer& renderer, const std::string& port)
+py::array_t<uint8_t> readPort(SharedRenderer& shared, const std::string& port)
 {
-    const auto bytes = renderer.readPort(port);
+    const auto bytes = shared.run([&](Renderer& renderer) { return renderer.readPort(port); });
     return py::array_t<uint8_t>(py::ssize_t(bytes.size()), bytes.data());
 }
 
@@ -115,9 +135,9 @@ Triple triple(const glm::vec3& v)
     return {v.x, v.y, v.z};
 }
 
-py::dict camera(const Renderer& renderer)
+py::dict camera(SharedRenderer& shared)
 {
-    const CameraPose pose = renderer.camera();
+    const CameraPose pose = shared.run([](const Renderer& renderer) { return renderer.camera(); });
     py::dict result;
     result["position"] = triple(pose.position);
     result["target"] = triple(pose.target);
@@ -126,86 +146,95 @@ py::dict camera(const Renderer& renderer)
     return result;
 }
 
-void moveCamera(Renderer& renderer, const std::optional<Triple>& position, const std::optional<Triple>& target,
+void moveCamera(SharedRenderer& shared, const std::optional<Triple>& position, const std::optional<Triple>& target,
                 const std::optional<Triple>& up, std::optional<float> yfov)
 {
-    CameraPose pose = renderer.camera();
     const auto take = [](glm::vec3& to, const std::optional<Triple>& from) {
         if (from)
             to = {(*from)[0], (*from)[1], (*from)[2]};
     };
-    take(pose.position, position);
-    take(pose.target, target);
-    take(pose.up, up);
-    pose.yfov = yfov.value_or(pose.yfov);
-    renderer.moveCamera(pose);
+    shared.run([&](Renderer& renderer) {
+        CameraPose pose = renderer.camera();
+        take(pose.position, position);
+        take(pose.target, target);
+        take(pose.up, up);
+        pose.yfov = yfov.value_or(pose.yfov);
+        renderer.moveCamera(pose);
+    });
 }
 
-void moveNode(Renderer& renderer, const std::string& name, const FloatArray& matrix)
+void moveNode(SharedRenderer& shared, const std::variant<size_t, std::string>& node, const FloatArray& matrix)
 {
     if (matrix.ndim() != 2 || matrix.shape(0) != 4 || matrix.shape(1) != 4)
-        fail("node '{}' is moved by a matrix (4, 4)", name);
+        fail("a node is moved by a matrix (4, 4), not by an array of shape {}",
+             py::str(py::tuple(matrix.attr("shape"))).cast<std::string>());
     glm::mat4 local;
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 4; ++column)
             local[column][row] = matrix.at(row, column);
-    renderer.moveNode(name, local);
+    shared.run([&](Renderer& renderer) { std::visit([&](const auto& which) { renderer.moveNode(which, local); }, node); });
 }
 
-py::dict deviceInfo(Renderer& renderer)
+py::dict deviceInfo(SharedRenderer& shared)
 {
-    const DeviceDescription& device = renderer.device().description();
+    const auto [device, backend] =
+        shared.run([](Renderer& renderer) { return std::pair(renderer.device().description(), renderer.device().backend()); });
     py::dict result;
     result["name"] = device.name;
     result["driver"] = device.driver;
     result["type"] = device.type;
-    result["backend"] = renderer.device().backend() == Backend::rayQuery ? "rayquery" : "software";
+    result["backend"] = backend == Backend::rayQuery ? "rayquery" : "software";
     return result;
 }
 
-void bindKnobs(py::class_<Renderer>& renderer)
+void save(SharedRenderer& shared, const std::filesystem::path& file, bool half, const std::string& output)
+{
+    requireExtension(file, ".exr");
+    shared.run([&](Renderer& renderer) { renderer.save(file, half ? PixelType::half : PixelType::full, output); });
+}
+
+void bindKnobs(py::class_<SharedRenderer>& renderer)
 {
     using namespace py::literals;
     renderer
         .def(
-            "knobs", [](const Renderer& r) { return toPython(r.knobs()); }, "All knobs: {pass: {knob: value}}.")
+            "knobs", [](SharedRenderer& r) { return toPython(shared(&Renderer::knobs)(r)); },
+            "All knobs: {pass: {knob: value}}.")
         .def(
-            "get", [](const Renderer& r, const std::string& knob) { return toPython(r.knob(knob)); },
+            "get", [](SharedRenderer& r, const std::string& knob) { return toPython(shared(&Renderer::knob)(r, knob)); },
             "Value of the knob \"pass.knob\".", "knob"_a)
         .def(
             "set",
-            [](Renderer& r, const std::string& knob, const py::object& value) { r.setKnob(knob, toJson(value)); },
+            [](SharedRenderer& r, const std::string& knob, const py::object& value) {
+                shared(&Renderer::setKnob)(r, knob, toJson(value));
+            },
             "Set the knob \"pass.knob\". One that changes kernels or buffers rebuilds its pass, which is a cut. Raises "
-            "Error for a wrong name, type, range or choice.",
+            "Error for a wrong name, type, range or choice, or when the pass cannot be built so; all is as before then.",
             "knob"_a, "value"_a)
         .def(
             "set_everywhere",
-            [](Renderer& r, const std::string& name, const py::object& value) {
-                return r.setKnobEverywhere(name, toJson(value));
+            [](SharedRenderer& r, const std::string& name, const py::object& value) {
+                return shared(&Renderer::setKnobEverywhere)(r, name, toJson(value));
             },
             "Set a knob of every pass that has it, and return how many have.", "knob"_a, "value"_a);
 }
 
-void bindMotion(py::class_<Renderer>& renderer)
+void bindMotion(py::class_<SharedRenderer>& renderer)
 {
     using namespace py::literals;
     renderer.def_property_readonly("camera", &camera, CAMERA)
         .def("move_camera", &moveCamera, MOVE_CAMERA, "position"_a = py::none(), "target"_a = py::none(),
              "up"_a = py::none(), "yfov"_a = py::none())
-        .def("move_node", &moveNode, MOVE_NODE, "name"_a, "matrix"_a)
-        .def("set_time", &Renderer::setTime, "Time of the scene's animation at the next frame, s.", "seconds"_a)
-        .def("cut", &Renderer::cut, "Forget all history: the next frame is a first frame.");
+        .def("move_node", &moveNode, MOVE_NODE, "node"_a, "matrix"_a)
+        .def("set_time", shared(&Renderer::setTime), "Time of the scene's animation at the next frame, s.", "seconds"_a)
+        .def("cut", shared(&Renderer::cut), "Forget all history: the next frame is a first frame.");
 }
 
-void bindMeasurements(py::class_<Renderer>& renderer)
+void bindMeasurements(py::class_<SharedRenderer>& renderer)
 {
-    renderer
-        .def(
-            "gpu_times", [](const Renderer& r) { return r.gpuTimes(); }, "GPU time of the last frame: {pass: ms}.")
-        .def(
-            "total_gpu_times", [](const Renderer& r) { return r.totalGpuTimes(); },
-            "GPU time of all frames since the last cut: {pass: ms}.")
-        .def("memory", &Renderer::memory, "Device memory: {\"scene\" or \"pass.output\": bytes}.")
+    renderer.def("gpu_times", shared(&Renderer::gpuTimes), "GPU time of the last frame: {pass: ms}.")
+        .def("total_gpu_times", shared(&Renderer::totalGpuTimes), "GPU time of all frames since the last cut: {pass: ms}.")
+        .def("memory", shared(&Renderer::memory), "Device memory: {\"scene\" or \"pass.output\": bytes}.")
         .def_property_readonly("device_info", &deviceInfo,
                                "The device: a dictionary of name, driver, type and backend.");
 }
@@ -215,29 +244,29 @@ void bindMeasurements(py::class_<Renderer>& renderer)
 void bindRenderer(py::module_& module)
 {
     using namespace py::literals;
-    py::class_<Renderer> renderer(module, "Renderer", RENDERER);
+    py::class_<SharedRenderer> renderer(module, "Renderer", RENDERER);
     renderer
-        .def(py::init(&makeRenderer), "scene"_a, "graph"_a, "size"_a, "seed"_a = 0, "device"_a = py::none(),
-             "backend"_a = py::none(), "validation"_a = false, "fps"_a = 0.0f, "time"_a = 0.0f,
-             "energy_compensation"_a = false)
+        .def(py::init(&makeRenderer), py::arg("scene").none(false), "graph"_a, "size"_a, "seed"_a = 0, "device"_a = py::none(),
+             "backend"_a = py::none(), "validation"_a = false, "fps"_a = 0.0f, "time"_a = 0.0f, "energy_compensation"_a = false)
         .def("render", &render, RENDER, "frames"_a = 1)
-        .def_property_readonly("frame", &Renderer::frame, "Frames rendered since the last cut.")
+        .def_property_readonly("frame", shared(&Renderer::frame), "Frames rendered since the last cut.")
         .def_property_readonly(
-            "size", [](const Renderer& r) { return std::pair(r.options().width, r.options().height); },
+            "size",
+            [](SharedRenderer& r) {
+                const RendererOptions options = shared(&Renderer::options)(r);
+                return std::pair(options.width, options.height);
+            },
             "(width, height) in pixels.")
         .def_property(
-            "seed", [](const Renderer& r) { return r.options().seed; }, &Renderer::setSeed, SEED)
+            "seed", [](SharedRenderer& r) { return shared(&Renderer::options)(r).seed; }, shared(&Renderer::setSeed), SEED)
         .def(
-            "output", [](Renderer& r, const std::string& name) { return toArray(r.output(name)); }, OUTPUT, "name"_a)
-        .def_property_readonly("output_names", &Renderer::outputNames,
+            "output",
+            [](SharedRenderer& r, const std::string& name) { return toArray(shared(&Renderer::output)(r, name)); }, OUTPUT,
+            "name"_a)
+        .def_property_readonly("output_names", shared(&Renderer::outputNames),
                                "Names of the graph's outputs; the first is the picture.")
         .def("read_port", &readPort, READ_PORT, "port"_a)
-        .def(
-            "save",
-            [](Renderer& r, const std::filesystem::path& file, bool half, const std::string& output) {
-                r.save(file, half ? PixelType::half : PixelType::full, output);
-            },
-            SAVE, "file"_a, "half"_a = false, "output"_a = "");
+        .def("save", &save, SAVE, "file"_a, "half"_a = false, "output"_a = "");
     bindKnobs(renderer);
     bindMotion(renderer);
     bindMeasurements(renderer);

@@ -8,18 +8,13 @@ Executor::Executor(Device& device, std::unique_ptr<Graph> graph, uint32_t width,
                    const CompileProgress& progress)
     : device_(device), graph_(std::move(graph)), width_(width), height_(height)
 {
-    for (const auto& plan : graph_->resources()) {
-        auto& resource = resources_.emplace_back();
-        resource.plan = plan;
-        allocate(resource);
-    }
+    graph_->check();
+    for (const auto& plan : graph_->resources())
+        resources_.push_back({plan, allocate(plan, graph_->passes()[plan.pass])});
     constants_ = device_.createBuffer(sizeof(FrameConstants), "frame constants");
-    for (const auto& edge : graph_->edges())
-        graph_->passes()[edge.target].interface.inputs()[edge.input].target->module =
-            graph_->passes()[edge.source].interface.outputs()[edge.output].type.module;
     connect();
     for (uint32_t pass : graph_->order())
-        graph_->passes()[pass].pass->build(device_);
+        build(graph_->passes()[pass]);
     device_.finishKernels(progress);
     // Last, so that a pass that fails to build leaves nothing behind.
     VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
@@ -33,13 +28,19 @@ Executor::~Executor()
     vkDestroyQueryPool(device_.handle(), queries_, nullptr);
 }
 
-void Executor::allocate(Resource& resource)
+/// The buffers of an output of `pass`, whose knobs tell their size.
+Executor::Copies Executor::allocate(const PlannedResource& plan, const GraphPass& pass)
 {
-    const auto& pass = graph_->passes()[resource.plan.pass];
-    const auto& port = pass.interface.outputs()[resource.plan.output];
-    const std::string name = pass.name + "." + port.name;
-    for (int copy = 0; copy < (resource.plan.delayed ? 2 : 1); ++copy)
-        resource.copies[copy] = device_.createBuffer(port.type.bytes(width_, height_), name);
+    const auto& port = pass.interface.outputs()[plan.output];
+    Copies copies;
+    for (int copy = 0; copy < (plan.delayed ? 2 : 1); ++copy)
+        copies[copy] = device_.createBuffer(port.type.bytes(width_, height_), pass.name + "." + port.name);
+    return copies;
+}
+
+void Executor::build(GraphPass& pass)
+{
+    runPlugin(placeOf(pass) + ": ", [&] { pass.pass->build(device_); });
 }
 
 void Executor::cut()
@@ -55,16 +56,37 @@ void Executor::cut()
             });
 }
 
-void Executor::rebuild(GraphPass& pass)
+void Executor::setKnob(GraphPass& pass, const std::string& knob, const nlohmann::json& value)
 {
+    const auto& knobs = pass.interface.knobs();
+    const auto index = std::find_if(knobs.begin(), knobs.end(), [&](const Knob& k) { return k.name == knob; }) - knobs.begin();
+    const auto set = [&](GraphPass& target) {
+        runPlugin(label(pass) + ": ", [&] { target.interface.knobs()[index].set(value); });
+    };
+    if (!knobs[index].structural || !pass.live) {
+        set(pass);
+        return;
+    }
+    GraphPass fresh = graph_->copyOf(pass);
+    set(fresh);
+    replace(pass, std::move(fresh));
+    cut();
+}
+
+/// Build `fresh` with outputs of its own, then put both in place of `pass` and its outputs.
+void Executor::replace(GraphPass& pass, GraphPass fresh)
+{
+    std::vector<std::pair<Resource*, Copies>> outputs;
     for (auto& resource : resources_)
         if (&graph_->passes()[resource.plan.pass] == &pass)
-            allocate(resource);
-    if (pass.live) {
-        pass.pass->build(device_);
-        device_.finishKernels();
-    }
-    cut();
+            outputs.emplace_back(&resource, allocate(resource.plan, fresh));
+    for (auto& [resource, copies] : outputs)
+        fresh.interface.outputs()[resource->plan.output].target->resource = &copies[resource->current];
+    build(fresh);
+    runPlugin(placeOf(fresh) + ": ", [&] { device_.finishKernels(); });
+    pass = std::move(fresh);
+    for (auto& [resource, copies] : outputs)
+        resource->copies = std::move(copies);
 }
 
 /// Point every port at this frame's buffers.
@@ -94,6 +116,7 @@ void Executor::connect()
 
 void Executor::run(FrameConstants constants, const BindingSet& bindings)
 {
+    graph_->check();
     constants.frame = frame_;
     constants.reset = frame_ == 0;
     connect();
@@ -116,7 +139,7 @@ void Executor::record(VkCommandBuffer commands, const BindingSet& bindings)
         device_.beginLabel(commands, pass.name + " (" + pass.type + ")");
         // Both stamps wait for all earlier work, so that the passes' times are disjoint and add up to the frame's.
         vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, 2 * i);
-        pass.pass->record(frame);
+        runPlugin(placeOf(pass) + ": ", [&] { pass.pass->record(frame); });
         vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, 2 * i + 1);
         device_.endLabel(commands);
     }

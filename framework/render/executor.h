@@ -6,6 +6,7 @@
 #include "render/frame.h"
 #include "shaders/frame_types.h"
 
+#include <array>
 #include <map>
 #include <memory>
 #include <string>
@@ -27,8 +28,9 @@ public:
     void cut();
     uint32_t frame() const { return frame_; }  ///< frames run since the last cut
 
-    /// Build the pass again and reallocate its outputs (a structural knob changed); implies a cut.
-    void rebuild(GraphPass& pass);
+    /// Set a knob of a pass. A structural one builds a new instance with new outputs, which takes the pass's place and implies a cut;
+    /// when that fails, nothing has changed.
+    void setKnob(GraphPass& pass, const std::string& knob, const nlohmann::json& value);
 
     Graph& graph() { return *graph_; }
     const Graph& graph() const { return *graph_; }
@@ -44,11 +46,14 @@ private:
     /// An output's buffers: one, or two that alternate when somebody reads last frame's value.
     struct Resource {
         PlannedResource plan;
-        Buffer copies[2];
+        std::array<Buffer, 2> copies;
         uint32_t current = 0;  ///< the copy the last (or running) frame writes
     };
 
-    void allocate(Resource& resource);
+    using Copies = std::array<Buffer, 2>;
+    Copies allocate(const PlannedResource& plan, const GraphPass& pass);
+    void build(GraphPass& pass);
+    void replace(GraphPass& pass, GraphPass fresh);
     void connect();
     void record(VkCommandBuffer commands, const BindingSet& bindings);
     void readTimes();

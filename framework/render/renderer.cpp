@@ -1,6 +1,7 @@
 #include "render/renderer.h"
 
 #include "core/error.h"
+#include "core/paths.h"
 #include "render/executor.h"
 #include "render/version.h"
 
@@ -29,11 +30,27 @@ glm::mat4 lookMatrix(const CameraPose& pose)
     return glm::mat4(glm::vec4(x, 0), glm::vec4(glm::cross(z, x), 0), glm::vec4(z, 0), glm::vec4(pose.position, 1));
 }
 
+/// A file's name in it may be no UTF-8.
+std::string textOf(const nlohmann::json& json)
+{
+    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+void checkTime(float seconds)
+{
+    if (!std::isfinite(seconds) || seconds < 0)
+        fail("a time of {} s: must be finite and at least 0", seconds);
+}
+
 void checkOptions(const RendererOptions& options)
 {
     constexpr uint32_t LARGEST = 16384;
     if (options.width < 1 || options.height < 1 || options.width > LARGEST || options.height > LARGEST)
         fail("an image of {}x{} pixels cannot be rendered; each side is 1 to {}", options.width, options.height, LARGEST);
+    checkTime(options.time);
+    constexpr float SLOWEST = 1e-6f;  // frames a second: a frame still takes finite time
+    if (!std::isfinite(options.framesPerSecond) || (options.framesPerSecond != 0 && !(options.framesPerSecond >= SLOWEST)))
+        fail("{} frames a second: must be 0, where the scene stands still, or finite and at least {}", options.framesPerSecond, SLOWEST);
 }
 
 }  // namespace
@@ -131,6 +148,8 @@ std::vector<uint8_t> Renderer::readPort(const std::string& path)
             if (!buffer)
                 fail("port '{}' is read by nobody in graph '{}', so it is not made; name it as an output of the graph", path,
                      graph().name());
+            if (frame() == 0)
+                fail("port '{}' is not there yet; render at least one frame first", path);
             return device_->download<uint8_t>(*buffer, ports[o].type.bytes(options_.width, options_.height));
         }
     }
@@ -155,19 +174,32 @@ void Renderer::moveCamera(const CameraPose& pose)
 
 void Renderer::moveNode(const std::string& name, const glm::mat4& local)
 {
-    const auto found =
-        std::find_if(scene_->nodes.begin(), scene_->nodes.end(), [&](const Node& node) { return node.name == name; });
-    if (found == scene_->nodes.end())
+    std::vector<size_t> places;
+    for (size_t i = 0; i < scene_->nodes.size(); ++i)
+        if (scene_->nodes[i].name == name)
+            places.push_back(i);
+    if (places.empty())
         fail("{}: no node is named '{}'", scene_->file.string(), name);
+    if (places.size() > 1)
+        fail("{}: {} nodes are named '{}'; name one by its place among the scene's nodes: {}", scene_->file.string(), places.size(),
+             name, fmt::join(places.begin(), places.begin() + std::min<ptrdiff_t>(ptrdiff_t(places.size()), 10), ", "));
+    moveNode(places.front(), local);
+}
+
+void Renderer::moveNode(size_t node, const glm::mat4& local)
+{
+    if (node >= overrides_.size())
+        fail("{}: there is no node {}; the scene has {}, counted from 0", scene_->file.string(), node, overrides_.size());
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row)
             if (!std::isfinite(local[column][row]))
-                fail("node '{}' cannot be moved by a matrix with NaN or infinity", name);
-    overrides_[size_t(found - scene_->nodes.begin())] = local;
+                fail("node {} '{}' cannot be moved by a matrix with NaN or infinity", node, scene_->nodes[node].name);
+    overrides_[node] = local;
 }
 
 void Renderer::setTime(float seconds)
 {
+    checkTime(seconds);
     time_ = seconds;
 }
 
@@ -215,31 +247,36 @@ nlohmann::json Renderer::knob(const std::string& path) const
 
 void Renderer::setKnob(const std::string& path, const nlohmann::json& value)
 {
-    executor_->graph().setKnob(path, value);
-    const auto dot = path.find('.');
-    auto& pass = *executor_->graph().find(path.substr(0, dot));
-    for (const auto& knob : pass.interface.knobs())
-        if (knob.name == path.substr(dot + 1) && knob.structural)
-            executor_->rebuild(pass);
+    const std::string name = executor_->graph().knob(path).name;
+    executor_->setKnob(*executor_->graph().find(path.substr(0, path.find('.'))), name, value);
 }
 
 uint32_t Renderer::setKnobEverywhere(const std::string& name, const nlohmann::json& value)
 {
-    uint32_t count = 0;
-    for (const auto& pass : graph().passes())
-        for (const auto& knob : pass.interface.knobs())
-            if (knob.name == name) {
-                setKnob(pass.name + "." + name, value);
-                ++count;
-            }
-    return count;
+    std::vector<std::pair<std::string, nlohmann::json>> before;
+    for (const auto& pass : graph().passes()) {
+        const auto& all = pass.interface.knobs();
+        const auto found = std::find_if(all.begin(), all.end(), [&](const Knob& knob) { return knob.name == name; });
+        if (found != all.end())
+            before.emplace_back(pass.name + "." + name, found->get());
+    }
+    for (size_t i = 0; i < before.size(); ++i) {
+        try {
+            setKnob(before[i].first, value);
+        } catch (...) {
+            while (i-- > 0)
+                setKnob(before[i].first, before[i].second);
+            throw;
+        }
+    }
+    return uint32_t(before.size());
 }
 
 std::map<std::string, std::string> Renderer::provenance() const
 {
     const auto& device = device_->description();
-    return {{"restirpg.graph", graph().description().dump()},
-            {"restirpg.knobs", knobs().dump()},
+    return {{"restirpg.graph", textOf(graph().description())},
+            {"restirpg.knobs", textOf(knobs())},
             {"restirpg.seed", std::to_string(options_.seed)},
             {"restirpg.frames", std::to_string(frame())},
             {"restirpg.scene", scene_->file.filename().string()},
@@ -253,6 +290,8 @@ std::map<std::string, std::string> Renderer::provenance() const
 
 void Renderer::save(const std::filesystem::path& file, PixelType type, const std::string& only)
 {
+    refuseInput(file, scene_->files);
+    refuseInput(file, graph().namedFiles());
     if (!only.empty()) {
         writeExr(file, {{"", output(only)}}, type, provenance());
         return;

@@ -48,7 +48,7 @@ public:
     /// An output of the graph as a float image. Throws Error when there is no such output, when it is no image, or before the first frame.
     Image output(const std::string& name);
     std::vector<std::string> outputNames() const;
-    /// The raw bytes of a port "pass.output" that somebody reads, as the last frame left it. For tests and tools.
+    /// The raw bytes of a port "pass.output" that somebody reads, as the last frame left it. For tests and tools. Throws as output().
     std::vector<uint8_t> readPort(const std::string& port);
 
     nlohmann::json knobs() const;  ///< {"pass": {"knob": value}}
@@ -58,8 +58,11 @@ public:
 
     CameraPose camera() const;
     void moveCamera(const CameraPose& pose);
-    /// Give the node a local matrix (relative to its parent), from the next frame on. Throws Error when no node has that name.
+    /// Give the node a local matrix (relative to its parent), from the next frame on. Throws Error when no node, or more than one, has
+    /// that name; names can be empty.
     void moveNode(const std::string& name, const glm::mat4& local);
+    /// The same by the node's place in Scene::nodes.
+    void moveNode(size_t node, const glm::mat4& local);
     void setTime(float seconds);
     /// Other random numbers from the next frame on. Cut as well: paths of the history replay the numbers of their own seed. After both
     /// the frames are those of a new renderer of that seed, byte for byte, where scene time and poses are the same too and no node has moved.

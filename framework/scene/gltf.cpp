@@ -81,6 +81,7 @@ void readEnvironment(const File& file, const tinygltf::Value& settings, Scene& s
         scene.environment = loadEnvironment(path.string());
         const auto bytes = readBytes(path);
         hash = hashBytes(bytes.data(), bytes.size(), hash);
+        scene.files.push_back(path);
     } else if (source->ArrayLen() == 3) {
         scene.environment.emplace();
         scene.environment->radiance = glm::max(color(settings, "environment", glm::vec3(0)), 0.0f);
@@ -114,6 +115,8 @@ Scene convert(const std::filesystem::path& path, bool allowOutside)
     const auto file = readFile(path, allowOutside);
     Scene scene;
     scene.file = path;
+    scene.files = {path};
+    scene.files.insert(scene.files.end(), file.external.begin(), file.external.end());
     readMaterials(file, scene);
     readNodes(file, scene);
     readInstances(file, scene);

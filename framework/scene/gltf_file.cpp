@@ -125,7 +125,7 @@ void checkExtensions(const std::string& file, const json& root)
 using Contents = std::map<std::string, std::vector<uint8_t>>;
 
 /// A buffer's bytes: byteLength of them, where the file may have more [glTF 2.0, 3.6.1].
-std::vector<uint8_t> bufferBytes(const File& file, size_t index, const json& buffer, std::span<const uint8_t> binary,
+std::vector<uint8_t> bufferBytes(File& file, size_t index, const json& buffer, std::span<const uint8_t> binary,
                                  uint64_t& hash)
 {
     const auto place = fmt::format("buffers[{}]", index);
@@ -139,7 +139,8 @@ std::vector<uint8_t> bufferBytes(const File& file, size_t index, const json& buf
     } else if (Resources::isData(uri)) {
         bytes = file.resources.readData(uri, place);
     } else {
-        bytes = readBytes(file.resources.resolveUri(uri, place));
+        file.external.push_back(file.resources.resolveUri(uri, place));
+        bytes = readBytes(file.external.back());
         hash = hashBytes(bytes.data(), bytes.size(), hash);
     }
     if (bytes.size() < length)
@@ -150,7 +151,7 @@ std::vector<uint8_t> bufferBytes(const File& file, size_t index, const json& buf
 
 /// Read what the file refers to, and put names of our own in the place of its URIs. A missing image stays missing: only a texture
 /// that needs it minds.
-Contents readContents(const File& file, json& root, std::span<const uint8_t> binary, uint64_t& hash)
+Contents readContents(File& file, json& root, std::span<const uint8_t> binary, uint64_t& hash)
 {
     Contents contents;
     const auto put = [&](json& object, std::string name, std::vector<uint8_t> bytes) {
@@ -173,6 +174,7 @@ Contents readContents(const File& file, json& root, std::span<const uint8_t> bin
             continue;
         }
         const auto path = file.resources.resolveUri(uri, place);
+        file.external.push_back(path);
         put(image, name, std::filesystem::exists(path) ? readBytes(path) : std::vector<uint8_t>());
         hash = hashBytes(contents[name].data(), contents[name].size(), hash);
     }
@@ -201,17 +203,6 @@ bool keepEncoded(tinygltf::Image* image, int, std::string*, std::string*, int, i
     return true;
 }
 
-/// At most `bytes` bytes, cut between characters of UTF-8, control characters replaced.
-std::string shortened(std::string_view text, size_t bytes)
-{
-    size_t end = std::min(text.size(), bytes);
-    while (end > 0 && end < text.size() && (uint8_t(text[end]) & 0xc0) == 0x80)
-        --end;
-    std::string line(text.substr(0, end));
-    std::replace_if(line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-    return line;
-}
-
 }  // namespace
 
 uint64_t hashBytes(const void* bytes, size_t size, uint64_t hash)
@@ -222,16 +213,10 @@ uint64_t hashBytes(const void* bytes, size_t size, uint64_t hash)
     return hash;
 }
 
-std::string printable(std::string_view text)
-{
-    constexpr size_t LONGEST = 200;
-    return shortened(text, LONGEST) + (text.size() > LONGEST ? "..." : "");
-}
-
 std::string label(std::string_view kind, size_t index, const std::string& name)
 {
     return name.empty() ? fmt::format("{} {}", kind, index)
-                        : fmt::format("{} {} '{}'", kind, index, shortened(name, 60));
+                        : fmt::format("{} {} '{}'", kind, index, printable(name, 60));
 }
 
 const tinygltf::Value* member(const tinygltf::Value& object, const char* name)

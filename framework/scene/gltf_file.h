@@ -40,6 +40,7 @@ struct File {
     std::filesystem::path path;
     Resources resources;
     tinygltf::Model model{};
+    std::vector<std::filesystem::path> external{};  ///< files it names, which were read
     uint64_t hash = 0;  ///< FNV-1a of the file and of the external files it names
 
     std::string name() const { return path.string(); }
@@ -60,9 +61,6 @@ void checkStructure(const std::string& file, const nlohmann::json& root);
 
 /// FNV-1a, 64 bit (Fowler, Noll, Vo), continued from `hash`.
 uint64_t hashBytes(const void* bytes, size_t size, uint64_t hash = 0xcbf29ce484222325u);
-
-/// A text from the file, fit for one line of a message.
-std::string printable(std::string_view text);
 
 /// "mesh 3 'Floor'", or "mesh 3" where it has no name.
 std::string label(std::string_view kind, size_t index, const std::string& name);

@@ -231,7 +231,7 @@ private:
         case Kind::index:
             if (!value.is_number_unsigned() || value.get<uint64_t>() >= count_)
                 fail("{}: {}: {} does not point into {}, which has {} elements; export the file again", file_,
-                     place(), printable(value.dump().substr(0, 40)), rule_->target, count_);
+                     place(), printable(value.dump(), 40), rule_->target, count_);
         }
     }
 

@@ -101,6 +101,7 @@ struct InstanceNode {
 
 struct Scene {
     std::filesystem::path file;
+    std::vector<std::filesystem::path> files;  ///< everything it was read from: `file`, its buffers and images, the environment
     std::string hash;  ///< content hash of the file and everything it refers to, 16 hexadecimal digits
 
     std::vector<Node> nodes;

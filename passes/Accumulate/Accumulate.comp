@@ -8,8 +8,10 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Parameters { AccumulateParameters params; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer StateArray { AccumulatorState at[]; };
 
-/// Beyond this the square of a sum of 10^5 values leaves float's range: such a value is no better than an infinity.
-const float MAX_VALUE = 1e16;
+/// The sum of 10^8 values, the most frames that are rendered, stays within float's range.
+const float MAX_VALUE = 1e30;
+/// Squares of such values do not: sums of them stop here, so that two still add up.
+const float MAX_DEVIATION = 1e38;
 
 vec3 frame_value(uint pixel)
 {
@@ -30,7 +32,11 @@ AccumulatorState add(AccumulatorState state, vec3 x)
     float n = float(state.count);
     if (state.count > 0u) {
         DoubleSingle3 distance = ds_add(two_product(vec3(n), x), ds_negate(state.sum));
-        state.deviation = ds_add(state.deviation, distance.high * (distance.high / (n * (n + 1.0))));
+        vec3 square = distance.high * (distance.high / (n * (n + 1.0)));
+        state.deviation = ds_add(state.deviation, min(square, vec3(MAX_DEVIATION)));
+        bvec3 full = greaterThan(state.deviation.high, vec3(MAX_DEVIATION));
+        state.deviation.high = mix(state.deviation.high, vec3(MAX_DEVIATION), full);
+        state.deviation.low = mix(state.deviation.low, vec3(0.0), full);
     }
     state.sum = ds_add(state.sum, x);
     state.count += 1u;

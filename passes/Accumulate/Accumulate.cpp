@@ -17,12 +17,13 @@ public:
         io.optionalInput("indirect", indirect_, image(3), "radiance to add to it");
         io.optionalInput("emission", emission_, image(3), "radiance to add to it");
         io.input("history", history_, state, "the output sums, one frame ago: prev(\"accumulate.sums\")");
+        io.ofFrameBefore();
         io.output("sums", sums_, state, "sums and counts of the frames since the last cut");
         io.output("mean", mean_, image(3), "mean over the valid frames; 0 where there is none");
         io.output("variance", variance_, image(3),
                   "unbiased sample variance of a frame's value (that of the mean is 1/frames of it); 0 before the "
                   "second frame");
-        io.output("invalid", invalid_, image(1), "frames left out at the pixel: NaN, infinite or beyond 1e16");
+        io.output("invalid", invalid_, image(1), "frames left out at the pixel: NaN, infinite or beyond 1e30");
     }
 
     void build(Device& device) override { kernel_ = Kernel(device, passFile("Accumulate.comp")); }

@@ -9,9 +9,12 @@ class GuidingFit final : public Pass {
 public:
     void describe(Interface& io) override
     {
-        const PortType layout = guide(fixedSize("", [this] { return bytes(); }), passFile("guide.glsl"));
-        io.input("statistics", statistics_, fixedSize("GuidingStatistics", {}), "what GuidingSplat added up in this frame");
+        const PortType layout = guide("GridGuide", fixedSize("", [this] { return bytes(); }), passFile("guide.glsl"));
+        io.input("statistics", statistics_, fixedSize("GuidingStatistics", [this] { return statisticsBytes(); }),
+                 "what GuidingSplat added up in this frame");
+        io.ofThisFrame();
         io.input("history", history_, layout, "the output guide, one frame ago: prev(\"fit.guide\")");
+        io.ofFrameBefore();
         io.output("guide", guide_, layout, "a mixture of four von Mises-Fisher lobes a cell, to sample the next frame's paths from");
         io.knob("cells", cells_, 1u << 10, 1u << 21, "slots of the hash table, rounded up to a power of two; as GuidingSplat's");
         io.structural();
@@ -33,6 +36,13 @@ public:
         io.structural();
     }
 
+    void check() const override
+    {
+        // A cell's memory holds what is left of its sums after a fit: nothing without decay.
+        if (parallax_ && decay_ == 0)
+            fail("'parallax' reads the distances that 'decay' keeps; set decay above 0, or parallax off");
+    }
+
     void build(Device& device) override
     {
         fitKernel_ = Kernel(device, passFile("Fit.comp"));
@@ -41,12 +51,6 @@ public:
 
     void record(Frame& frame) override
     {
-        // A cell's memory holds what is left of its sums after a fit: nothing without decay.
-        if (parallax_ && decay_ == 0)
-            fail("GuidingFit: 'parallax' reads the distances that 'decay' keeps; set decay above 0, or parallax off");
-        const uint64_t slot = GUIDING_KEY_BYTES + GUIDING_SUMS_BYTES + (parallax_ ? GUIDING_PLACE_SUMS_BYTES : 0);
-        if (statistics_->bytes() != GUIDING_HEADER_BYTES + slot * capacity())
-            fail("GuidingFit: the knobs 'cells' ({}) and 'parallax' are not those of GuidingSplat; give both the same", cells_);
         const GuidingFitParameters parameters{frame.constants(),
                                               statistics_->address(),
                                               history_.empty ? 0 : history_->address(),
@@ -80,6 +84,13 @@ private:
 
     /// Parallax reads its sums at lookup.
     bool remembers() const { return pool_ || decay_ > 0 || parallax_; }
+
+    /// Of GuidingSplat with the same knobs.
+    uint64_t statisticsBytes() const
+    {
+        const uint64_t slot = GUIDING_KEY_BYTES + GUIDING_SUMS_BYTES + (parallax_ ? GUIDING_PLACE_SUMS_BYTES : 0);
+        return GUIDING_HEADER_BYTES + slot * capacity();
+    }
 
     uint64_t bytes() const
     {

@@ -24,12 +24,17 @@ public:
     {
         const PortType statistics = perPixel<ScreenStatistics>("ScreenStatistics");
         io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
-        io.input("motion", motion_, image(2), "where the point was in the frame before, minus where it is, in pixels");
+        io.ofThisFrame();
+        io.input("motion", motion_, motionVectors(), "where the point was in the frame before, minus where it is, in pixels");
+        io.ofThisFrame();
         io.input("previous_surface", previousSurface_, perPixel<PrimaryHit>("Surface"), "the surface one frame ago: prev(\"gbuffer.surface\")");
+        io.ofFrameBefore();
         io.input("samples", samples_, fixedSize("GuidingSamples", {}),
                  "directions that paths took, weighted by the light they found, one frame ago: prev(\"paths.samples\")");
+        io.ofFrameBefore();
         io.input("history", history_, statistics, "the output statistics, one frame ago: prev(\"guide.statistics\")");
-        io.output("guide", guide_, guide(perPixel<ScreenLobe>(""), passFile("guide.glsl")),
+        io.ofFrameBefore();
+        io.output("guide", guide_, guide("ScreenGuide", perPixel<ScreenLobe>(""), passFile("guide.glsl")),
                   "one lobe a pixel, for the bounce at the primary hit");
         io.output("statistics", statistics_, statistics, "weighted moments of the directions that each pixel has seen");
         io.output("direction", direction_, image(3), "the lobe's mean direction as a colour, (1 + xyz) / 2; black where there is no lobe");

@@ -19,9 +19,9 @@ public:
     void describe(Interface& io) override
     {
         // Whatever the bounce cap, readers take the vertices' count a pixel from the buffer's size.
-        io.optionalInput("vertices", vertices_, perPixel<PathVertex>("PathVertices"), "bounces of resampled paths, all of one weight (or `samples`)");
-        io.optionalInput("samples", samples_, perPixel<GuidingSample>("GuidingSamples"), "bounces of raw path trees, weighted by the light that came back (or `vertices`)");
-        io.optionalInput("guide", guide_, guide({}, {}), "the guide that drew the paths, one frame ago: prev(\"fit.guide\")");
+        io.optionalInput("vertices", vertices_, fixedSize("PathVertices", {}), "bounces of resampled paths, all of one weight (or `samples`)");
+        io.optionalInput("samples", samples_, fixedSize("GuidingSamples", {}), "bounces of raw path trees, weighted by the light that came back (or `vertices`)");
+        io.optionalInput("guide", guide_, fixedSize("GridGuide", {}), "the guide that drew the paths, one frame ago: prev(\"fit.guide\")");
         io.output("statistics", statistics_, fixedSize("GuidingStatistics", [this] { return bytes(); }), "sufficient statistics of this frame, a cell");
         io.knob("cells", cells_, 1u << 10, 1u << 21, "slots of the hash table, rounded up to a power of two");
         io.structural();
@@ -34,16 +34,20 @@ public:
         io.structural();
     }
 
+    void check() const override
+    {
+        if (bool(vertices_) == bool(samples_))
+            fail("it learns from vertices or from samples; wire one of the two");
+        if (vertices_ && parallax_)
+            fail("parallax=true needs samples: vertices do not say how far they look");
+        if (samples_ && (incident_ || finalEdges_ != "all"))
+            fail("incident and final_edges are for vertices: samples have their weights, and none is marked as the last");
+    }
+
     void build(Device& device) override { kernel_ = Kernel(device, passFile("Splat.comp")); }
 
     void record(Frame& frame) override
     {
-        if (bool(vertices_) == bool(samples_))
-            fail("GuidingSplat: learns from vertices or from samples; wire one of the two");
-        if (vertices_ && parallax_)
-            fail("GuidingSplat: parallax=true needs samples: vertices do not say how far they look");
-        if (samples_ && (incident_ || finalEdges_ != "all"))
-            fail("GuidingSplat: incident and final_edges are for vertices: samples have their weights, and none is marked as the last");
         const uint64_t pixels = uint64_t(frame.width()) * frame.height();
         const uint64_t bytes = vertices_ ? vertices_->bytes() / sizeof(PathVertex) : samples_->bytes() / sizeof(GuidingSample);
         GuidingSplatParameters parameters{};

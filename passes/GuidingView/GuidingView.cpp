@@ -17,15 +17,14 @@ public:
     void describe(Interface& io) override
     {
         io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
-        io.input("guide", guide_, guide({}, {}), "a guide of GuidingFit, of this frame or the one before");
+        io.ofThisFrame();
+        io.input("guide", guide_, fixedSize("GridGuide", {}), "a guide of GuidingFit, of this frame or the one before");
         io.output("image", image_, image(3), "false colours of the cells that the pixels see; black: no guidance there");
         io.choice("show", show_, VIEWS, "cell: a colour each; level of the grid; samples last fitted to; frames since then; largest kappa; weight of the heaviest lobe; probability of the guide that the cell has learnt");
     }
 
     void build(Device& device) override
     {
-        if (!guide_.module.ends_with("GuidingFit/guide.glsl"))
-            fail("GuidingView: only the cells of a guide that GuidingFit makes can be shown; wire fit.guide");
         kernel_ = Kernel(device, passFile("GuidingView.comp"));
     }
 

@@ -21,7 +21,8 @@ public:
     void describe(Interface& io) override
     {
         io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
-        io.optionalInput("guide", guide_, guide({}, {}), "directions worth sampling, with the GLSL module of the pass that makes them; unwired: a plain path tracer");
+        io.ofThisFrame();
+        io.optionalInput("guide", guide_, anyGuide(), "directions worth sampling, with the GLSL module of the pass that makes them; unwired: a plain path tracer");
         io.output("radiance", radiance_, image(3), "one path's estimate of the light scattered to the camera, W/sr/m^2, without emission of the primary hit");
         io.output("candidates", candidates_, perPixel<PathReservoir>("PathReservoir"),
                   "one path a pixel, resampled from all that end on the way of a path tree; without direct light but what delta lobes find");
@@ -36,6 +37,12 @@ public:
         io.knob("alpha", alpha_, 0, 1, "probability of sampling a smooth bounce by the BSDF instead of the guide, where there is guidance (Zeng et al. 2025: 0.5)");
         io.choice("fault", fault_, FAULTS, "for tests only: build this mistake into the candidates");
         io.structural();
+    }
+
+    void check() const override
+    {
+        if (wantsTree() && bounces_ > MAX_CANDIDATE_BOUNCES)
+            fail("candidates hold paths of at most {} bounces, 'bounces' is {}; set it lower", MAX_CANDIDATE_BOUNCES, bounces_);
     }
 
     void build(Device& device) override
@@ -54,9 +61,6 @@ public:
 
     void record(Frame& frame) override
     {
-        if (wantsTree() && bounces_ > MAX_CANDIDATE_BOUNCES)
-            fail("PathTracerGuided: candidates hold paths of at most {} bounces, 'bounces' is {}; set it lower", MAX_CANDIDATE_BOUNCES,
-                 bounces_);
         const PathTracerParameters parameters{frame.constants(),
                                               surface_->address(),
                                               addressOf(radiance_),

@@ -22,12 +22,16 @@ public:
     {
         const PortType reservoir = perPixel<LightReservoir>("LightReservoir");
         io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel, through its centre");
-        io.optionalInput("motion", motion_, image(2),
+        io.ofThisFrame();
+        io.optionalInput("motion", motion_, motionVectors(),
                          "where the point was in the frame before, minus where it is, in pixels");
+        io.ofThisFrame();
         io.optionalInput("previous_surface", previousSurface_, perPixel<PrimaryHit>("Surface"),
                          "the surface one frame ago: prev(\"gbuffer.surface\")");
+        io.ofFrameBefore();
         io.optionalInput("history", history_, reservoir,
                          "the output reservoirs, one frame ago: prev(\"direct.reservoirs\")");
+        io.ofFrameBefore();
         io.together({"motion", "previous_surface", "history"});
         io.output("radiance", radiance_, image(3),
                   "direct light scattered to the camera through lobes that are not deltas, W/sr/m^2");

@@ -22,15 +22,22 @@ public:
     {
         const PortType reservoir = perPixel<PathReservoir>("PathReservoir");
         io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel, through its centre");
+        io.ofThisFrame();
         io.input("candidates", candidates_, reservoir, "one candidate path a pixel, of this frame");
-        io.optionalInput("motion", motion_, image(2), "where the point was in the frame before, minus where it is, in pixels");
+        io.ofThisFrame();
+        io.optionalInput("motion", motion_, motionVectors(), "where the point was in the frame before, minus where it is, in pixels");
+        io.ofThisFrame();
         io.optionalInput("previous_surface", previousSurface_, perPixel<PrimaryHit>("Surface"),
                          "the surface one frame ago: prev(\"gbuffer.surface\")");
+        io.ofFrameBefore();
         io.optionalInput("history", history_, reservoir, "the output reservoirs, one frame ago: prev(\"reuse.reservoirs\")");
+        io.ofFrameBefore();
         const PortType vertices = severalPerPixel<PathVertex>("PathVertices", [this] { return bounces_ + 1; });
         io.optionalInput("candidate_vertices", candidateVertices_, vertices, "the bounces of the candidates; needed by the output vertices");
+        io.ofThisFrame();
         io.optionalInput("history_vertices", historyVertices_, vertices,
                          "the output vertices, one frame ago: prev(\"reuse.vertices\"); needed by the output vertices under temporal reuse");
+        io.ofFrameBefore();
         io.together({"motion", "previous_surface", "history"});
         io.output("radiance", radiance_, image(3), "light of the chosen path, W/sr/m^2");
         io.output("reservoirs", reservoirs_, reservoir, "the path that each pixel ends the frame with");
@@ -48,6 +55,12 @@ public:
         io.structural();
     }
 
+    void check() const override
+    {
+        if (vertices_ && (!candidateVertices_ || (history_ && !historyVertices_)))
+            fail("the output 'vertices' needs candidate_vertices and, with history, history_vertices; wire them");
+    }
+
     void build(Device& device) override
     {
         device_ = &device;
@@ -62,7 +75,6 @@ public:
 
     void record(Frame& frame) override
     {
-        checkVertices();
         ReuseParameters parameters = makeParameters(frame);
         // Each stage reads one set of paths and writes another; the last one writes the output.
         uint32_t stage = rounds_;
@@ -89,16 +101,6 @@ public:
     }
 
 private:
-    void checkVertices() const
-    {
-        if (!vertices_)
-            return;
-        if (!candidateVertices_ || (history_ && !historyVertices_))
-            fail("ReSTIRReuse: the output 'vertices' needs candidate_vertices and, with history, history_vertices; wire them");
-        if (candidateVertices_->bytes() != vertices_->bytes())
-            fail("ReSTIRReuse: the knob 'bounces' ({}) is not that of the pass that makes the candidates; give both the same", bounces_);
-    }
-
     ReuseParameters makeParameters(const Frame& frame) const
     {
         ReuseParameters p{};

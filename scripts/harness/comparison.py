@@ -316,13 +316,14 @@ class Comparison:
                 )
             if dropped := sum(result["meta"]["dropped"] for result in by_seed):
                 warnings.append(
-                    f"{label}: {dropped} samples were NaN or infinite and left out of its pictures"
+                    f"{label}: {dropped} samples were NaN, infinite or beyond 1e30 and left out of its pictures: "
+                    "its mean is wrong where they were"
                 )
         if invalid := truth["meta"].get("invalid"):
             fate = "of its batches count as black" if truth["meta"]["batches"] else "are left out of errors"
             warnings.append(f"reference: {invalid} NaN or infinite pixels {fate}")
         if dropped := truth["meta"].get("dropped"):
-            warnings.append(f"reference: {dropped} samples were NaN or infinite and left out")
+            warnings.append(f"reference: {dropped} samples were NaN, infinite or beyond 1e30 and left out: it is wrong where they were")
         return SceneRuns(
             plan["scene"],
             truth,

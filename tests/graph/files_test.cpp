@@ -1,10 +1,13 @@
 // Graph files, Python and JSON, good and bad, and plugin libraries, good and bad.
 #include "core/error.h"
 #include "core/nearest.h"
+#include "core/paths.h"
 #include "core/process.h"
 #include "graph/graph.h"
 
 #include <gtest/gtest.h>
+
+#include <sys/stat.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -80,6 +83,46 @@ TEST_F(GraphFile, PythonMistakesAreOneLocatedLine)
     EXPECT_EQ(python(""), "g.py:1: the file has no variable 'graph'; end it with graph = ..., a restirpg.Graph");
     EXPECT_EQ(python("graph = 3\n"),
               "g.py:1: the file has a int in its variable 'graph'; end it with graph = ..., a restirpg.Graph");
+}
+
+TEST_F(GraphFile, ALoopWithoutEndIsEndedAndLocated)
+{
+    setenv("RESTIRPG_GRAPH_SECONDS", "1", 1);
+    const std::string said = ": evaluating the graph file takes more than 1 s; look for a loop that does not end";
+    const auto deaf = python(IMPORT + "def f():\n    while True:\n        try:\n            pass\n        except:\n            pass\nf()\n");
+    EXPECT_TRUE(deaf.starts_with("g.py:") && deaf.ends_with(said) && deaf[5] >= '3' && deaf[5] <= '6') << deaf;
+    EXPECT_EQ(python("import time\n\ntime.sleep(1000)\n"), "g.py:3" + said);
+    // In one operation that takes longer.
+    const auto busy = python("10 ** 10 ** 9\n");
+    EXPECT_TRUE(busy.starts_with("g.py:") && busy.ends_with(said)) << busy;
+    unsetenv("RESTIRPG_GRAPH_SECONDS");
+}
+
+TEST_F(GraphFile, AGraphIsBounded)
+{
+    EXPECT_EQ(python(IMPORT + "graph = Graph('G')\nfor i in range(100000):\n    graph.add(f'p{i}', 'P')\n"),
+              "g.py:4: a graph has at most 1000 passes");
+    EXPECT_EQ(python("import os\nbytes(os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES') // 2)\n"), "g.py:2: MemoryError");
+    std::string passes;
+    for (int i = 0; i < 100000; ++i)
+        passes += (i ? "," : "") + std::string(R"({"name":"p","type":"P"})");
+    write("g.json", R"({"name":"G","passes":[)" + passes + "]}");
+    EXPECT_EQ(refusal("g.json"), "g.json: \"passes\" has 100000 elements; a graph has at most 1000");
+    passes.clear();
+    for (int i = 0; i < 1000; ++i)
+        passes += (i ? "," : "") + std::string("7");
+    write("g.json", R"({"name":"G","passes":[)" + passes + "]}");
+    EXPECT_TRUE(refusal("g.json").ends_with("g.json: pass 49 is not an object\nand 950 more mistakes")) << refusal("g.json");
+    mkfifo("pipe.json", 0600);
+    EXPECT_EQ(refusal("pipe.json"), "pipe.json: cannot read the graph file: it is a pipe or a device");
+}
+
+TEST_F(GraphFile, NamesInMessagesAreOneLineOfText)
+{
+    write("g.json", R"({"name":"G","passes":[{"name":"a\u001b]0;b\nc","type":"P"}]})");
+    EXPECT_EQ(refusal("g.json").find('\x1b'), std::string::npos);
+    EXPECT_EQ(refusal("g\x1b[31m\n\xff.json"), "g\\x1b[31m\\n\\xff.json: cannot read the graph file: No such file or directory");
+    EXPECT_EQ(python("raise ValueError('a\\x1b[31mb')\n"), "g.py:1: ValueError: a\\x1b[31mb");
 }
 
 TEST_F(GraphFile, AnInterpreterThatDiesIsNamed)
@@ -185,6 +228,12 @@ TEST_F(PluginLibraries, BrokenOnesAreNamedWhenAskedForAndSpoilNoOther)
                                          "RESTIRPG_PASS(Empty, \"...\")");
     EXPECT_EQ(problem("Misnamed"), folder + "/restirpg-pass-Misnamed.so: it contains the pass 'Renamed'; name the file "
                                             "restirpg-pass-Renamed.so");
+    EXPECT_EQ(problem("Nameless"), folder + "/restirpg-pass-Nameless.so: its entry lacks a name; end its source with "
+                                            "RESTIRPG_PASS(Nameless, \"...\")");
+    EXPECT_EQ(problem("Meaningless"), folder + "/restirpg-pass-Meaningless.so: its entry lacks a meaning; end its source with "
+                                               "RESTIRPG_PASS(Meaningless, \"...\")");
+    EXPECT_EQ(problem("Uncreated"), folder + "/restirpg-pass-Uncreated.so: its entry lacks a function that creates the pass; end "
+                                             "its source with RESTIRPG_PASS(Uncreated, \"...\")");
     EXPECT_TRUE(problem("Garbage").ends_with(
         "restirpg-pass-Garbage.so: file too short; rebuild the pass against this framework"))
         << problem("Garbage");
@@ -214,6 +263,60 @@ TEST(Process, ReadsBothStreamsWhateverTheirSize)
     EXPECT_EQ(result.exitCode, 3);
     EXPECT_EQ(result.errors.size(), 300000u);
     EXPECT_EQ(result.output.substr(200000), "hello\n");
+}
+
+TEST(Process, IsEndedAtItsLimit)
+{
+    const auto result = runProcess({"sh", "-c", "echo begun; exec sleep 1000"}, {}, std::chrono::milliseconds(300));
+    EXPECT_TRUE(result.timedOut);
+    EXPECT_EQ(result.output, "begun\n");
+    EXPECT_FALSE(runProcess({"true"}, {}, std::chrono::seconds(100)).timedOut);
+}
+
+/// Sets a variable of the environment, or unsets it, until the end of its scope.
+class Variable {
+public:
+    Variable(const char* name, const char* value) : name_(name)
+    {
+        if (const char* old = std::getenv(name))
+            old_ = old;
+        value ? setenv(name, value, 1) : unsetenv(name);
+    }
+    ~Variable() { old_ ? setenv(name_, old_->c_str(), 1) : unsetenv(name_); }
+
+private:
+    const char* name_;
+    std::optional<std::string> old_;
+};
+
+TEST_F(GraphFile, ThereNeedBeNoCache)
+{
+    const Variable given("RESTIRPG_CACHE_DIR", nullptr), xdg("XDG_CACHE_HOME", nullptr);
+    {
+        const Variable home("HOME", nullptr);
+        EXPECT_EQ(cacheFolder(), "");
+    }
+    const Variable home("HOME", folder_.c_str());
+    EXPECT_EQ(cacheFolder(), folder_ / ".cache/restirpg");
+}
+
+TEST_F(GraphFile, WhatWasReadIsNotWritten)
+{
+    write("input.exr", "");
+    fs::create_directory("sub");
+    fs::create_symlink("input.exr", "link.exr");
+    fs::create_hard_link("input.exr", "hard.exr");
+    const auto refused = [](const char* output) {
+        try {
+            refuseInput(output, {"none.glb", "input.exr"});
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    for (const char* name : {"input.exr", "./sub/../input.exr", "link.exr", "hard.exr"})
+        EXPECT_EQ(refused(name), std::string(name) + ": cannot write: it is the file input.exr, which was read; choose another name");
+    EXPECT_EQ(refused("other.exr"), "");
 }
 
 TEST(Nearest, CountsEdits)

@@ -12,8 +12,14 @@ public:
 
 }  // namespace restirpg
 
+#ifndef TEST_PLUGIN_MEANING
+#define TEST_PLUGIN_MEANING "Does nothing, well"
+#endif
+#ifndef TEST_PLUGIN_CREATE
+#define TEST_PLUGIN_CREATE []() -> std::unique_ptr<restirpg::Pass> { return std::make_unique<restirpg::Plain>(); }
+#endif
+
 #ifdef TEST_PLUGIN_NAME
 extern "C" __attribute__((visibility("default"))) const restirpg::PluginEntry restirpgPlugin = {
-    restirpg::PLUGIN_ABI + TEST_PLUGIN_ABI_OFFSET, TEST_PLUGIN_NAME, "Does nothing, well",
-    []() -> std::unique_ptr<restirpg::Pass> { return std::make_unique<restirpg::Plain>(); }};
+    restirpg::PLUGIN_ABI + TEST_PLUGIN_ABI_OFFSET, TEST_PLUGIN_NAME, TEST_PLUGIN_MEANING, TEST_PLUGIN_CREATE};
 #endif

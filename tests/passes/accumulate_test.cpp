@@ -191,5 +191,14 @@ TEST_F(AccumulateTest, LargeFiniteValuesStayFinite)
     EXPECT_NEAR(variance[0] / host.variance(0), 1, 2 * TOLERANCE);
 }
 
+TEST_F(AccumulateTest, TheMeanHoldsUpToTheLimitAndTheVarianceStops)
+{
+    accumulate({constantValues(1e30f), constantValues(-5e29f), constantValues(0), constantValues(1.1e30f)}, 1000);
+    const Values mean = output("mean"), variance = output("variance");
+    EXPECT_NEAR(mean[0] / (5e29 / 3), 1, TOLERANCE);
+    EXPECT_NEAR(variance[0] / (1e38 / 2999), 1, TOLERANCE);
+    EXPECT_EQ(output("invalid"), Values(PIXELS, 1000));
+}
+
 }  // namespace
 }  // namespace restirpg

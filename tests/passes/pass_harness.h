@@ -48,11 +48,15 @@ public:
     void connect(const std::string& port, Buffer* buffer)
     {
         for (const InputPort& input : interface_.inputs())
-            if (input.name == port)
+            if (input.name == port) {
                 input.target->resource = buffer;
+                input.target->wired = buffer != nullptr;
+            }
         for (const OutputPort& output : interface_.outputs())
-            if (output.name == port)
+            if (output.name == port) {
                 output.target->resource = buffer;
+                output.target->wired = buffer != nullptr;
+            }
     }
 
     void setKnob(const std::string& name, const nlohmann::json& value)

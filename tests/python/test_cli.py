@@ -4,11 +4,15 @@ import hashlib
 import os
 import pty
 import re
+import shutil
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
+import renderer_scenes
 
 ROOT = Path(__file__).parents[2]
 BUILD = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build"))
@@ -92,6 +96,8 @@ def test_same_seed_same_bytes(scene, tmp_path):
 def test_errors_against_the_picture_itself_are_zero(scene, tmp_path):
     command = render_command(scene)
     assert restirpg(*command, folder=tmp_path)[0] == 0
+    assert refusal(*command, "--reference", "a.exr", folder=tmp_path).startswith("a.exr: cannot write: it is the file a.exr, which was read")
+    command[-1] = "b.exr"
     code, output, _ = restirpg(*command, "--reference", "a.exr", folder=tmp_path)
     assert code == 0
     assert "against a.exr: MAPE 0, relMSE 0, RMSE 0, bias +0, invalid pixels 0\n" in output
@@ -149,8 +155,13 @@ def test_the_progress_bar_is_drawn_on_terminals_only(scene, tmp_path):
             ["--frames", "many"],
             "restirpg: --frames: Value many not in range 1 to 100000000; see restirpg --help",
         ),
-        (["--fps", "-1"], "--time 0 --fps -1: give finite numbers, and no negative frame rate"),
-        (["--time", "nan"], "--time nan --fps 0: give finite numbers, and no negative frame rate"),
+        (["--fps", "-1"], "-1 frames a second: must be 0, where the scene stands still, or finite and at least 1e-06"),
+        (["--time", "nan"], "a time of nan s: must be finite and at least 0"),
+        (["--time", "-1"], "a time of -1 s: must be finite and at least 0"),
+        (["--exposure", "nan"], "--exposure nan: must be a number of stops from -100 to 100"),
+        (["--seed", "-1"], None),
+        (["--bounces", "nan"], None),
+        (["--keep-every", "-1"], None),
         (
             ["-o", "/proc/a.exr"],
             "/proc/a.exr: cannot write: No such file or directory; choose another folder",
@@ -208,6 +219,59 @@ def test_bad_arguments_are_one_line(scene, tmp_path, arguments, message):
         assert said == message.replace("SCENE", str(scene))
     else:
         assert arguments[1] in said
+    assert os.listdir(tmp_path) == []
+
+
+def header_of(file):
+    """The text attributes of an EXR file's header."""
+    return renderer_scenes.restirpg.read_exr_attributes(file)
+
+
+def test_a_file_that_was_read_is_not_written(scene, tmp_path):
+    own = tmp_path / "own.glb"
+    shutil.copy(scene, own)
+    (tmp_path / "link.exr").symlink_to("own.glb")
+    os.link(own, tmp_path / "hard.png")
+    before = own.read_bytes()
+    for output in (["-o", "link.exr"], ["--png", "hard.png"]):
+        said = refusal("render", GRAPH, "--scene", own, "--size", "16x16", *output, folder=tmp_path)
+        assert said == f"{output[1]}: cannot write: it is the file {own}, which was read; choose another name"
+    assert own.read_bytes() == before
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_rendering_keeps_what_there_is(scene, tmp_path, number):
+    command = [PROGRAM, *map(str, render_command(scene, frames=1000000))]
+    program = subprocess.Popen(command, cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert "back end" in program.stdout.readline()
+    program.send_signal(number)
+    output, errors = program.communicate(timeout=600)
+    assert program.returncode == -number
+    kept = int(re.search(r"interrupted after (\d+) of 1000000 frames, which are kept\n", errors)[1])
+    assert output.endswith("wrote a.exr\n") and kept > 0
+    assert header_of(tmp_path / "a.exr")["restirpg.frames"] == str(kept)
+
+
+def test_every_so_many_frames_are_kept(scene, tmp_path):
+    command = [PROGRAM, *map(str, render_command(scene, frames=1000000)), "--keep-every", "3"]
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL) as program:
+        while not (tmp_path / "a.exr").exists() and program.poll() is None:
+            time.sleep(0.01)
+        program.kill()
+    assert int(header_of(tmp_path / "a.exr")["restirpg.frames"]) % 3 == 0
+
+
+def test_a_name_steers_no_terminal(tmp_path):
+    said = refusal("render", "g\x1b[2J\n.py", "--scene", "s", "-o", "a.exr", folder=tmp_path)
+    assert said.startswith("g\\x1b[2J\\n.py: cannot read the graph file")
+    assert refusal("rend\x1b[2J") .startswith("restirpg: there is no subcommand 'rend\\x1b[2J'")
+    assert "\x1b" not in refusal("render", "--\x1b[2J")
+
+
+def test_no_memory_is_one_line(scene, tmp_path):
+    limited = ["bash", "-c", "ulimit -v 300000; exec \"$@\"", "bash", str(PROGRAM)]
+    done = subprocess.run([*limited, *map(str, render_command(scene))], cwd=tmp_path, text=True, capture_output=True, check=False)
+    assert done.returncode != 0 and done.stderr.count("\n") == 1 and "internal" not in done.stderr, done.stderr
     assert os.listdir(tmp_path) == []
 
 

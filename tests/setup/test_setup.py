@@ -106,3 +106,43 @@ def test_a_start_with_nothing_missing_calls_no_package_manager(tmp_path):
         (tmp_path / name).write_text("#!/bin/sh\necho called >&2\nexit 1\n")
         (tmp_path / name).chmod(0o755)
     assert shell("install_packages tests", PATH=f"{tmp_path}:{os.environ['PATH']}").stderr == ""
+
+
+@pytest.mark.parametrize("script", ["run", "test"])
+def test_help_installs_and_builds_nothing(script, tmp_path):
+    """With nothing on PATH that could."""
+    for name in ("sed", "dirname", "bash"):
+        (tmp_path / name).symlink_to(f"/usr/bin/{name}")
+    done = subprocess.run(["/bin/bash", ROOT / "scripts" / script, "--help"], text=True, capture_output=True, env={"PATH": str(tmp_path)},
+                          check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("Set up this machine, build")
+    assert "#" not in done.stdout.replace("#!", "") and "shellcheck" not in done.stdout
+
+
+def test_a_clone_that_was_copied_or_moved_is_configured_again(tmp_path):
+    clone = tmp_path / "clone"
+    (clone / "scripts").mkdir(parents=True)
+    (clone / "scripts/setup.sh").write_text((ROOT / "scripts/setup.sh").read_text())
+    stubs = tmp_path / "stubs"
+    stubs.mkdir()
+    (stubs / "cmake").write_text('#!/bin/bash\nmkdir -p "$5"; touch "$5/build.ninja"\n'
+                                 'printf "CMAKE_HOME_DIRECTORY:INTERNAL=%s\\nCMAKE_CACHEFILE_DIR:INTERNAL=%s\\n" "$3" "$5" > "$5/CMakeCache.txt"\n'
+                                 'echo configured\n')
+    (stubs / "ninja").write_text('#!/bin/bash\necho built\n')
+    for stub in stubs.iterdir():
+        stub.chmod(0o755)
+
+    def built(folder):
+        done = subprocess.run(["bash", "-c", f". {folder}/scripts/setup.sh; build renderer"], text=True, capture_output=True,
+                              env=os.environ | {"PATH": f"{stubs}:{os.environ['PATH']}", "MESA_SHADER_CACHE_DIR": str(tmp_path / "mesa")},
+                              check=True)
+        return done.stderr.split()
+
+    assert built(clone) == ["configured", "built"]
+    assert built(clone) == ["built"]
+    subprocess.run(["cp", "-a", clone, tmp_path / "copy"], check=True)
+    assert built(tmp_path / "copy") == ["configured", "built"]
+    assert built(tmp_path / "copy") == ["built"]
+    clone.rename(tmp_path / "moved")
+    assert built(tmp_path / "moved") == ["configured", "built"]

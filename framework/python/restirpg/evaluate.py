@@ -1,4 +1,4 @@
-"""Evaluate a graph file: `python3 -m restirpg.evaluate FILE` prints the description of its `graph` as JSON.
+"""Evaluate a graph file: `python3 -m restirpg.evaluate FILE [SECONDS]` prints the description of its `graph` as JSON.
 
 The program runs this in a process of its own, so that a graph file can do neither it nor the next file any
 harm. A mistake in the file is one line `FILE:LINE: message` on standard error and exit code 2.
@@ -7,6 +7,8 @@ harm. A mistake in the file is one line `FILE:LINE: message` on standard error a
 import contextlib
 import json
 import os
+import resource
+import signal
 import sys
 import traceback
 
@@ -17,14 +19,18 @@ class EvaluationError(Exception):
     """A located, one-line message for the user."""
 
 
+def _innermost(stack, file):
+    """"FILE:LINE" of the innermost line of the graph file's own folder in a traceback or stack."""
+    folder = os.path.dirname(os.path.abspath(file))
+    own = [entry for entry in stack if os.path.dirname(os.path.abspath(entry.filename)) == folder]
+    return f"{shown_path(own[-1].filename)}:{own[-1].lineno}" if own else f"{shown_path(file)}:1"
+
+
 def _place(error, file):
-    """"FILE:LINE" of the innermost line of the graph file's own folder in the error's traceback."""
+    """"FILE:LINE" of what raised the error."""
     if isinstance(error, SyntaxError) and error.filename:
         return f"{shown_path(error.filename)}:{error.lineno or 1}"
-    folder = os.path.dirname(os.path.abspath(file))
-    own = [entry for entry in traceback.extract_tb(error.__traceback__)
-           if os.path.dirname(os.path.abspath(entry.filename)) == folder]
-    return f"{shown_path(own[-1].filename)}:{own[-1].lineno}" if own else f"{shown_path(file)}:1"
+    return _innermost(traceback.extract_tb(error.__traceback__), file)
 
 
 def _message(error):
@@ -63,13 +69,31 @@ def evaluate(file):
     return graph
 
 
+def _bound(file, seconds):
+    """End this process, saying where it was, after so many seconds. Let it have half of the machine's memory at most."""
+    def end(number, frame):
+        # Not by an exception, which the file may catch.
+        place = _innermost(traceback.extract_stack(frame), file)
+        print(f"{place}: evaluating the graph file takes more than {seconds} s; look for a loop that does not end",
+              file=sys.stderr, flush=True)
+        os._exit(2)
+
+    signal.signal(signal.SIGALRM, end)
+    signal.alarm(seconds)
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
+    given = [limit for limit in resource.getrlimit(resource.RLIMIT_AS) if limit != resource.RLIM_INFINITY]
+    resource.setrlimit(resource.RLIMIT_AS, (min([memory, *given]),) * 2)
+
+
 def main(arguments):
     """The command line. Returns the exit code."""
-    if len(arguments) != 1:
-        print("usage: python3 -m restirpg.evaluate FILE", file=sys.stderr)
+    file, seconds = (*arguments, "30")[:2] if arguments else ("", "")
+    if len(arguments) > 2 or not seconds.isdecimal():
+        print("usage: python3 -m restirpg.evaluate FILE [SECONDS]", file=sys.stderr)
         return 2
+    _bound(file, int(seconds))
     try:
-        text = json.dumps(evaluate(arguments[0]).description(), indent=1, allow_nan=False)
+        text = json.dumps(evaluate(file).description(), indent=1, allow_nan=False)
     except EvaluationError as error:
         print(error, file=sys.stderr)
         return 2

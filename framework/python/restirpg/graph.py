@@ -31,6 +31,8 @@ import os
 import sys
 from dataclasses import dataclass
 
+MOST_PASSES = 1000  # as framework/graph/description.cpp has it
+
 _PACKAGE = os.path.dirname(os.path.abspath(__file__))
 
 
@@ -126,6 +128,8 @@ class Graph:
         A keyword whose value is a Port wires an input, one whose value is None leaves an optional input
         unwired, any other sets a knob. Whether the pass has them is checked when the graph is loaded.
         """
+        if len(self._passes) == MOST_PASSES:
+            raise GraphError(f"a graph has at most {MOST_PASSES} passes")
         if not isinstance(name, str) or not isinstance(pass_type, str):
             raise GraphError(f"a pass has a name and a type, both text, not {name!r} and {pass_type!r}")
         inputs, knobs = {}, {}
@@ -152,6 +156,8 @@ class Graph:
         if not isinstance(port, Port) or port.delayed:
             raise GraphError(f"output '{name}' must be an output of a pass, as in accumulate.mean, "
                              f"not {port!r}")
+        if len(self._outputs) == MOST_PASSES:
+            raise GraphError(f"a graph has at most {MOST_PASSES} outputs")
         self._outputs.append({"name": name, **port.source(), **_caller()})
 
     def description(self):

@@ -10,11 +10,11 @@ public:
     void describe(Interface& io) override
     {
         const auto layout = fixedSize("", [this] { return bytes(); });
-        const PortType type = guide(layout, RESTIRPG_PASSES "/GuidingFit/guide.glsl");
+        const PortType type = guide("GridGuide", layout, RESTIRPG_PASSES "/GuidingFit/guide.glsl");
         io.input("guide", guide_, type, "a guide of GuidingFit that remembers, one frame ago");
         io.optionalInput("history", history_, type, "the output guide, one frame ago; needed by `frozen`");
         io.output("guide", held_, type, "what is made of it");
-        io.output("wrong", wrong_, guide(layout, passFile("wrong_guide.glsl")), "the live guide, with a density that is 10% too small");
+        io.output("wrong", wrong_, guide("WrongGridGuide", layout, passFile("wrong_guide.glsl")), "the live guide, with a density that is 10% too small");
         io.knob("cells", cells_, 1u << 10, 1u << 21, "slots, as GuidingFit's: a power of two");
         io.structural();
         io.choice("mode", mode_, {"live", "frozen", "garbage"}, "the guide, what it was in frame `from`, or its cells with random narrow lobes");

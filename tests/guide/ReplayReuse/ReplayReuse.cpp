@@ -10,7 +10,7 @@ public:
     {
         const PortType reservoir = perPixel<ReplayReservoir>("ReplayReservoir");
         io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
-        io.optionalInput("guide", guide_, guide({}, {}), "directions worth sampling");
+        io.optionalInput("guide", guide_, anyGuide(), "directions worth sampling");
         io.optionalInput("history", history_, reservoir, "the output reservoirs, one frame ago; the camera must stand still");
         io.output("radiance", radiance_, image(3), "light by one bounce, W/sr/m^2");
         io.output("reservoirs", reservoirs_, reservoir, "the sample that each pixel ends the frame with");

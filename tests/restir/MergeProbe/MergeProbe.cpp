@@ -11,7 +11,7 @@ public:
         const PortType reservoir = perPixel<LightReservoir>("LightReservoir");
         io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
         io.input("previous_surface", previousSurface_, perPixel<PrimaryHit>("Surface"), "the same, one frame ago");
-        io.input("motion", motion_, image(2), "motion vectors");
+        io.input("motion", motion_, motionVectors(), "motion vectors");
         io.input("reservoirs", reservoirs_, reservoir, "reservoirs of this frame");
         io.input("history", history_, reservoir, "reservoirs of the frame before");
         const std::string meaning =

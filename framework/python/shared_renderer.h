@@ -1,0 +1,74 @@
+// A renderer that Python's threads may share.
+#pragma once
+
+#include "core/error.h"
+#include "render/renderer.h"
+
+#include <pybind11/pybind11.h>
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+
+#include <unistd.h>
+
+namespace restirpg::python {
+
+/// A lock that is given in the order in which it was asked for: a thread that renders frame after frame would never let another in.
+class FairMutex {
+public:
+    void lock()
+    {
+        std::unique_lock lock(mutex_);
+        const uint64_t ticket = next_++;
+        turn_.wait(lock, [&] { return ticket == serving_; });
+    }
+    void unlock()
+    {
+        {
+            std::lock_guard lock(mutex_);
+            ++serving_;
+        }
+        turn_.notify_all();
+    }
+
+private:
+    std::mutex mutex_;
+    std::condition_variable turn_;
+    uint64_t next_ = 0;
+    uint64_t serving_ = 0;
+};
+
+/// Calls take turns. Each runs without the interpreter's lock, and never asks for it while it has the renderer's: no two locks are
+/// waited for at once.
+class SharedRenderer {
+public:
+    explicit SharedRenderer(std::unique_ptr<Renderer> renderer) : renderer_(std::move(renderer)) {}
+    ~SharedRenderer()
+    {
+        // The device's threads are not in a forked process: destroying it there would wait for them.
+        if (!isOwn())
+            static_cast<void>(renderer_.release());
+    }
+
+    /// `action(renderer)`, which touches no Python object.
+    template <typename Action>
+    auto run(Action action)
+    {
+        if (!isOwn())
+            fail("a renderer cannot be used in a forked process; start processes by multiprocessing.get_context(\"spawn\") and make a "
+                 "renderer in each");
+        pybind11::gil_scoped_release release;
+        std::lock_guard turn(mutex_);
+        return action(*renderer_);
+    }
+
+private:
+    bool isOwn() const { return getpid() == process_; }
+
+    std::unique_ptr<Renderer> renderer_;
+    FairMutex mutex_;
+    const pid_t process_ = getpid();
+};
+
+}  // namespace restirpg::python

@@ -1,0 +1,1 @@
+restirpg_test(core_test SOURCES core/error_test.cpp core/log_test.cpp LINKS restirpg_core)
