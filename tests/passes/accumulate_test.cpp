@@ -156,7 +156,7 @@ TEST_F(AccumulateTest, InvalidPixelsAreDroppedFromTheEstimateAndCounted)
     broken[0] = nan;  // pixel 0, red
     broken[4] = infinity;  // pixel 1, green
     broken[8] = -infinity;  // pixel 2, blue
-    broken[9] = 1e17f;  // pixel 3: its square leaves float's range
+    broken[9] = 1.1e30f;  // pixel 3: beyond the largest value that is taken
     accumulate({constantValues(1), broken, broken, constantValues(3)});
     const Values mean = output("mean"), variance = output("variance"), invalid = output("invalid");
     for (uint32_t pixel = 0; pixel < PIXELS; ++pixel) {

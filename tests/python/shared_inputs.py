@@ -17,7 +17,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import threading
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -129,17 +128,25 @@ def measure_picture(row):
         return Refused(error)
 
 
+WATCH = """
+import resource, subprocess, sys
+code = subprocess.run(sys.argv[2:], stdout=subprocess.DEVNULL, timeout=float(sys.argv[1])).returncode
+print(code, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
+"""
+
+
 def watched(command):
-    """Run a command: its exit code, what it wrote on standard error and its largest memory, bytes. Ended after LONGEST."""
-    with tempfile.TemporaryFile() as errors:
-        process = subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL, stderr=errors)
-        timer = threading.Timer(LONGEST, process.kill)
-        timer.start()
-        _, status, usage = os.wait4(process.pid, 0)
-        timer.cancel()
-        process.returncode = os.waitstatus_to_exitcode(status)
-        errors.seek(0)
-        return process.returncode, errors.read().decode("utf-8", "backslashreplace"), usage.ru_maxrss * 1024
+    """Run a command: its exit code, what it wrote on standard error and its largest memory, bytes. Ended after LONGEST.
+
+    A small process of its own starts it: the kernel counts the memory of the process that starts a program as the
+    program's, and the process of the tests may be large.
+    """
+    process = subprocess.run([sys.executable, "-I", "-S", "-c", WATCH, str(LONGEST), *map(str, command)], capture_output=True)
+    errors = process.stderr.decode("utf-8", "backslashreplace")
+    if process.returncode != 0:
+        return -1, f"still running after {LONGEST} s", 0
+    code, kilobytes = map(int, process.stdout.split())
+    return code, errors, kilobytes * 1024
 
 
 def measure_program(row):

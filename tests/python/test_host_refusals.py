@@ -204,7 +204,7 @@ def test_nonsense_is_an_exception_and_no_crash(renderer, scene, tmp_path):
         "seed": lambda x: setattr(renderer, "seed", x),
         "save": lambda x: renderer.save(x),
     }
-    accepted = {("position", -1), ("position", 10**30), ("write_exr", "{}")}
+    accepted = {("position", -1), ("position", 10**30), ("write_exr", "{}"), ("set_time", 10**30)}
     knobs, pose, frame = renderer.knobs(), renderer.camera, renderer.frame
     for name, call in calls.items():
         for value in NONSENSE:
