@@ -174,6 +174,13 @@ Bvh build(std::span<const Box> boxes, uint32_t maxLeafSize, const SourceTriangle
     arguments.setNodeBounds = setBounds;
     arguments.createLeaf = createLeaf;
     const auto* root = static_cast<const TreeNode*>(rtcBuildBVH(&arguments));
+    if (!root && triangles) {  // spatial splits do not end where very many triangles lie in one place
+        arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
+        primitives = toPrimitives(boxes);
+        arguments.primitives = primitives.data();
+        arguments.primitiveArrayCapacity = primitives.size();
+        root = static_cast<const TreeNode*>(rtcBuildBVH(&arguments));
+    }
     if (!root)
         fail("the bounding volume hierarchy of {} primitives could not be built (Embree error {}); is memory short?",
              boxes.size(), int(rtcGetDeviceError(builderDevice())));

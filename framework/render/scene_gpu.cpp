@@ -209,7 +209,8 @@ void SceneGpu::refreshInstances()
 {
     for (auto& instance : instances_) {
         const glm::mat4 toWorld(instance.objectToWorld);
-        instance.worldToObject = glm::mat4x3(glm::inverse(toWorld));
+        // In double: rays must not miss by the error of the inverse.
+        instance.worldToObject = glm::mat4x3(glm::inverse(glm::dmat4(toWorld)));
         instance.flipped = glm::determinant(glm::mat3(toWorld)) < 0;
     }
     device_.upload(instanceBuffer_, instances_.data(), instances_.size() * sizeof(Instance));

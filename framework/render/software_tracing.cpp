@@ -43,12 +43,13 @@ SoftwareTracing::SoftwareTracing(Device& device, const Scene& scene, std::span<c
 void SoftwareTracing::appendTriangles(std::vector<SourceTriangle>& triangles, uint32_t mesh, uint32_t instance,
                                       const glm::mat4x3& toTarget) const
 {
+    const glm::dmat4x3 exact(toTarget);  // corners are rounded once: find_clearance of triangle.glsl counts on it
     const auto& range = scene_.meshes[mesh];
     for (uint32_t i = 0; i < range.triangleCount; ++i) {
         const auto& index = scene_.triangles[range.firstTriangle + i];
         auto& triangle = triangles.emplace_back(SourceTriangle{{}, instance, i});
         for (int corner = 0; corner < 3; ++corner)
-            triangle.corners[corner] = toTarget * glm::vec4(scene_.positions[range.firstVertex + index[corner]], 1);
+            triangle.corners[corner] = exact * glm::dvec4(scene_.positions[range.firstVertex + index[corner]], 1);
     }
 }
 
@@ -111,7 +112,9 @@ void SoftwareTracing::update(std::span<const Instance> instances)
             appendTriangles(triangles, instance.mesh, i, glm::mat4x3(1));
             mesh = build(triangles, "mesh");
         }
-        objects.push_back({mesh.nodes.address(), mesh.triangles.address(), instance.worldToObject, i, isMasked(instance.mesh)});
+        glm::mat4x3 toObject = instance.worldToObject;
+        toObject[3] = instance.objectToWorld[3];  // trace_software.glsl says why
+        objects.push_back({mesh.nodes.address(), mesh.triangles.address(), toObject, i, isMasked(instance.mesh)});
         boxes.push_back(transformBox(mesh.bounds, instance.objectToWorld));
     }
     const Bvh top = buildBvh(boxes, 1);

@@ -19,6 +19,7 @@ struct LightEdge {
     float distance;  ///< m; INFINITE_DISTANCE: directional light or environment
     vec3 position;  ///< of the light point; not set where distance is infinite
     vec3 normal;  ///< geometric, on x's side
+    float clearance;  ///< as in RayEnd
     vec3 radiance;  ///< W/sr/m^2; of a punctual light: irradiance on a surface facing it, W/m^2
     float jacobian;  ///< d(solid angle at x) / d(the point's own measure); 0: the edge carries nothing
     float light_pdf;  ///< density of sample_light_point in the point's own measure
@@ -59,13 +60,14 @@ LightEdge edge_to_triangle(LightPoint point, vec3 x, bool previous)
     mat4x3 pose = previous ? placed.previousObjectToWorld : placed.objectToWorld;
     WorldTriangle t = place_triangle(placed, point.index, pose);
     LightEdge e;
-    e.position = t.p0 + point.place.x * t.edge1 + point.place.y * t.edge2;
+    e.position = point_on(t, point.place);
     vec3 d = e.position - x;
     float distance2 = dot(d, d);
     e.distance = sqrt(distance2);
     e.wi = d / max(e.distance, 1e-30);
     float facing = dot(t.cross_product, e.wi);
     e.normal = normalize(facing < 0.0 ? t.cross_product : -t.cross_product);
+    e.clearance = find_clearance(t, placed, e.position, e.normal);
     Emission emission = emit_from_triangle(point.instance, point.index, point.place, facing < 0.0);
     e.radiance = emission.radiance;
     e.absorption = emission.absorption;
@@ -88,7 +90,7 @@ LightEdge edge_to_light(LightPoint point, vec3 x, bool previous)
     // A texel of the environment that sampling never takes can still be found by scattering; a light at x itself
     // cannot.
     float jacobian = s.delta && s.pdf <= 0.0 ? 0.0 : 1.0;
-    return LightEdge(s.wi, s.distance, s.position, s.normal, s.radiance, jacobian, s.pdf, s.delta, s.absorption);
+    return LightEdge(s.wi, s.distance, s.position, s.normal, s.clearance, s.radiance, jacobian, s.pdf, s.delta, s.absorption);
 }
 
 /// What is left of the light on its way along the edge to p.
@@ -108,18 +110,18 @@ vec3 direct_contribution(ShadingPoint p, LightEdge e)
     return f * abs(wi.z) * e.radiance * e.jacobian * edge_transmittance(p, e);
 }
 
-/// From the surface point x, of geometric normal n, to the light point at the end of its edge.
-ShadowRay shadow_ray_to_light(vec3 x, vec3 n, LightEdge e)
+/// From the surface point x to the light point at the end of its edge.
+ShadowRay shadow_ray_to_light(RayEnd x, LightEdge e)
 {
-    vec3 side = dot(n, e.wi) > 0.0 ? n : -n;
-    return e.distance < INFINITE_DISTANCE ? shadow_ray(x, side, e.position, e.normal)
-                                          : ShadowRay(offset_origin(x, side), e.wi, RAY_INFINITY);
+    if (e.distance >= INFINITE_DISTANCE)
+        return shadow_ray(x, e.wi);
+    return shadow_ray(x, RayEnd(e.position, e.normal, e.clearance));
 }
 
 /// Does nothing stand between?
-bool is_lit(vec3 x, vec3 n, LightEdge e)
+bool is_lit(RayEnd x, LightEdge e)
 {
-    return is_free(shadow_ray_to_light(x, n, e));
+    return is_free(shadow_ray_to_light(x, e));
 }
 
 #endif

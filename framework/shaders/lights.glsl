@@ -4,6 +4,7 @@
 
 #include "environment.glsl"
 #include "random.glsl"
+#include "triangle.glsl"
 
 /// Distance to what is infinitely far away.
 const float INFINITE_DISTANCE = 1e30;
@@ -18,35 +19,10 @@ struct LightSample {
     bool delta;  ///< punctual: scattering can never find it
     vec3 position;  ///< of the point on the light, world space; not set where distance is infinite
     vec3 normal;  ///< geometric, on the front side; -wi for lights without a surface
+    float clearance;  ///< as in RayEnd
     vec3 absorption;  ///< sigma_a on x's side of the light's surface, 1/m
     vec2 barycentrics;  ///< of the point on a triangle
 };
-
-/// A triangle in world space. `cross_product` is twice the area long and points to the front.
-struct WorldTriangle {
-    vec3 p0;
-    vec3 edge1;
-    vec3 edge2;
-    vec3 cross_product;
-};
-
-/// The triangle of a placed mesh in the given pose: that of this frame, or the previous one.
-WorldTriangle place_triangle(Instance placed, uint triangle, mat4x3 pose)
-{
-    Mesh mesh = MeshArray(SCENE.meshes).at[placed.mesh];
-    uvec3 index = Uvec3Array(SCENE.indices).at[mesh.firstTriangle + triangle] + mesh.firstVertex;
-    Vec3Array positions = Vec3Array(SCENE.positions);
-    vec3 p0 = positions.at[index.x];
-    vec3 p1 = positions.at[index.y];
-    vec3 p2 = positions.at[index.z];
-    WorldTriangle t;
-    t.p0 = pose * vec4(p0, 1.0);
-    // Edges in object space first: a small triangle far from the origin keeps its shape.
-    t.edge1 = pose * vec4(p1 - p0, 0.0);
-    t.edge2 = pose * vec4(p2 - p0, 0.0);
-    t.cross_product = cross(t.edge1, t.edge2) * (placed.flipped != 0u ? -1.0 : 1.0);
-    return t;
-}
 
 WorldTriangle world_triangle(uint instance, uint triangle)
 {
@@ -189,21 +165,23 @@ float spot_attenuation(Light light, vec3 wi)
 
 LightSample no_light_sample(uint light)
 {
-    return LightSample(vec3(0.0, 0.0, 1.0), 0.0, vec3(0.0), 0.0, light, false, vec3(0.0), vec3(0.0, 0.0, -1.0), vec3(0.0), vec2(0.0));
+    return LightSample(vec3(0.0, 0.0, 1.0), 0.0, vec3(0.0), 0.0, light, false, vec3(0.0), vec3(0.0, 0.0, -1.0), 0.0, vec3(0.0), vec2(0.0));
 }
 
 /// The given point of a triangle light, seen from x.
 LightSample connect_triangle_light(uint index, Light light, vec2 barycentrics, vec3 x)
 {
     LightSample s = no_light_sample(index);
-    WorldTriangle t = world_triangle(light.instance, light.triangle);
-    s.position = t.p0 + barycentrics.x * t.edge1 + barycentrics.y * t.edge2;
+    Instance placed = InstanceArray(SCENE.instances).at[light.instance];
+    WorldTriangle t = place_triangle(placed, light.triangle, placed.objectToWorld);
+    s.position = point_on(t, barycentrics);
     vec3 d = s.position - x;
     s.distance = length(d);
     if (s.distance <= 0.0)
         return s;
     s.wi = d / s.distance;
     s.normal = normalize(t.cross_product);
+    s.clearance = find_clearance(t, placed, s.position, s.normal);
     Emission emission = emit_from_triangle(light.instance, light.triangle, barycentrics, dot(s.normal, s.wi) < 0.0);
     s.radiance = emission.radiance;
     s.absorption = emission.absorption;
@@ -240,7 +218,7 @@ LightSample connect_environment(vec3 wi)
 {
     vec3 radiance = environment_radiance(wi);
     float pdf = light_pdf_environment(wi);
-    return LightSample(wi, INFINITE_DISTANCE, radiance, pdf, SCENE.environmentLight, false, vec3(0.0), -wi, vec3(0.0), vec2(0.0));
+    return LightSample(wi, INFINITE_DISTANCE, radiance, pdf, SCENE.environmentLight, false, vec3(0.0), -wi, 0.0, vec3(0.0), vec2(0.0));
 }
 
 /// The light that two random numbers select, by the power-weighted alias table; INVALID_INDEX: the scene has none.

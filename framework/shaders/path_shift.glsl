@@ -76,8 +76,7 @@ bool replay_bounce(PathReservoir r, uint bounce, inout PartialPath path)
 /// Trace the ray of the last bounce; true: it met a surface, t away.
 bool trace_bounce(inout PartialPath path, out float t)
 {
-    vec3 origin = offset_origin(path.point.position, side_towards(path.point, path.wi));
-    path.found = trace_closest(origin, path.wi, RAY_INFINITY, path.hit, t);
+    path.found = trace_closest(leave_surface(ray_end(path.point), path.wi), path.wi, RAY_INFINITY, path.hit, t);
     return path.found;
 }
 
@@ -122,7 +121,7 @@ bool connect_to_light(PathReservoir r, PartialPath path, out Connection c)
 {
     ShadingPoint p = path.point;
     LightEdge e = edge_to_light(anchored_light(r), p.position, false);
-    c = Connection(vec3(0.0), e.jacobian, shadow_ray_to_light(p.position, p.normal, e));
+    c = Connection(vec3(0.0), e.jacobian, shadow_ray_to_light(ray_end(p), e));
     vec3 wi = to_local(p.local_frame, e.wi);
     if (e.radiance == vec3(0.0) || e.jacobian <= 0.0 || !is_consistent(p, wi, e.wi))
         return false;
@@ -135,7 +134,7 @@ bool connect_to_light(PathReservoir r, PartialPath path, out Connection c)
 /// shifted onto it agree to the last digits.
 vec3 connection_origin(ShadingPoint p, vec3 y)
 {
-    return offset_origin(p.position, side_towards(p, y - p.position));
+    return leave_surface(ray_end(p), y - p.position);
 }
 
 /// Connect to the surface vertex x_k.
@@ -148,7 +147,7 @@ bool connect_to_surface(PathReservoir r, PartialPath path, out Connection c)
     float t = length(d);
     vec3 wi = d / max(t, 1e-30);
     ShadingPoint q = shade_surface(surface, -wi);
-    c = Connection(vec3(0.0), edge_geometry(q.normal, wi, t), shadow_ray(p.position, side, surface.position, q.normal));
+    c = Connection(vec3(0.0), edge_geometry(q.normal, wi, t), shadow_ray(ray_end(p), ray_end(q)));
     vec3 before = to_local(p.local_frame, wi);
     vec3 leaving = unpack_direction(r.direction);
     vec3 after = to_local(q.local_frame, leaving);

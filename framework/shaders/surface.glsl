@@ -3,12 +3,13 @@
 #define RESTIRPG_SURFACE_GLSL
 
 #include "bsdf.glsl"
-#include "scene.glsl"
+#include "triangle.glsl"
 
 /// The geometry of a hit point, in world space. Normals are unit and on the front side (the side the winding faces).
 struct Surface {
     vec3 position;
     vec3 geometric_normal;
+    float clearance;  ///< as in RayEnd
     vec3 shading_normal;  ///< interpolated; the normal map is applied by evaluate_material
     vec4 tangent;  ///< w: sign of the bitangent in world space; 0: no tangent
     vec2 uv0;
@@ -26,21 +27,18 @@ Surface load_surface(Hit hit, bool previous)
     Instance placed = InstanceArray(SCENE.instances).at[hit.instance];
     Mesh mesh = MeshArray(SCENE.meshes).at[placed.mesh];
     mat4x3 to_world = previous ? placed.previousObjectToWorld : placed.objectToWorld;
-    uvec3 index = Uvec3Array(SCENE.indices).at[mesh.firstTriangle + hit.triangle] + mesh.firstVertex;
-    Vec3Array positions = Vec3Array(SCENE.positions);
+    uvec3 index = vertices_of(mesh, hit.triangle);
     AttributesArray attributes = AttributesArray(SCENE.attributes);
-    vec3 p0 = positions.at[index.x];
-    vec3 edge1 = positions.at[index.y] - p0;
-    vec3 edge2 = positions.at[index.z] - p0;
+    WorldTriangle triangle = place_triangle(placed, index, to_world);
     VertexAttributes a = attributes.at[index.x];
     VertexAttributes b = attributes.at[index.y];
     VertexAttributes c = attributes.at[index.z];
     vec3 weight = vec3(1.0 - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics);
 
     Surface s;
-    s.position = to_world * vec4(p0 + hit.barycentrics.x * edge1 + hit.barycentrics.y * edge2, 1.0);
-    vec3 facing = cross(to_world * vec4(edge1, 0.0), to_world * vec4(edge2, 0.0));
-    s.geometric_normal = normalize(placed.flipped != 0u ? -facing : facing);
+    s.position = point_on(triangle, hit.barycentrics);
+    s.geometric_normal = normalize(triangle.cross_product);
+    s.clearance = find_clearance(triangle, placed, s.position, s.geometric_normal);
     // Normals transform by the inverse transpose. The current inverse serves both poses but for their rotation, which the previous
     // pose, used for motion only, does not need.
     vec3 normal = weight.x * a.normal + weight.y * b.normal + weight.z * c.normal;
@@ -64,6 +62,7 @@ Surface load_surface(Hit hit, bool previous)
 struct ShadingPoint {
     vec3 position;
     vec3 normal;  ///< geometric, on wo's side
+    float clearance;  ///< as in RayEnd
     mat3 local_frame;  ///< z: the shading normal, on wo's side
     vec3 wo;  ///< in local_frame
     Bsdf bsdf;
@@ -125,6 +124,7 @@ ShadingPoint shade_surface(Surface s, vec3 wo)
     Material material = MaterialArray(SCENE.materials).at[s.material];
     ShadingPoint p;
     p.position = s.position;
+    p.clearance = s.clearance;
     p.front = dot(s.geometric_normal, wo) >= 0.0;
     p.normal = p.front ? s.geometric_normal : -s.geometric_normal;
     vec3 n = apply_normal_map(s, material);
@@ -139,6 +139,16 @@ ShadingPoint shade_surface(Surface s, vec3 wo)
     p.base_color = parameters.baseColor;
     p.absorption = material.absorption;
     return p;
+}
+
+RayEnd ray_end(Surface s)
+{
+    return RayEnd(s.position, s.geometric_normal, s.clearance);
+}
+
+RayEnd ray_end(ShadingPoint p)
+{
+    return RayEnd(p.position, p.normal, p.clearance);
 }
 
 /// Does the local direction leave on the same side for the shading and the geometric normal? Else light would leak through.

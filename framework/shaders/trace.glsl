@@ -3,12 +3,12 @@
 //   bool trace_closest(vec3 origin, vec3 direction, float t_max, out Hit hit, out float t)
 //   bool trace_any(vec3 origin, vec3 direction, float t_max)
 //
-// Rays start at t = 0: origins are moved off their surface by offset_origin. Triangles are hit from both sides. Alpha masks are
+// Rays start at t = 0: origins are moved off their surface by leave_surface. Triangles are hit from both sides. Alpha masks are
 // applied when the scene has any (RESTIRPG_ALPHA_MASK).
 #ifndef RESTIRPG_TRACE_GLSL
 #define RESTIRPG_TRACE_GLSL
 
-#include "scene.glsl"
+#include "triangle.glsl"
 
 /// Farther than any scene.
 const float RAY_INFINITY = 1e30;
@@ -42,17 +42,10 @@ bool passes_alpha_mask(uint instance, uint triangle, vec2 barycentrics)
 #include "trace_software.glsl"
 #endif
 
-/// A point moved off its surface along the unit normal n (towards the side the ray leaves on), by a few units in the last place
-/// of its coordinates. Waechter & Binder 2019, "A Fast and Robust Method for Avoiding Self-Intersection".
-vec3 offset_origin(vec3 p, vec3 n)
+/// Where a ray starts that leaves the surface in the direction.
+vec3 leave_surface(RayEnd x, vec3 direction)
 {
-    const float NEAR_ORIGIN = 1.0 / 32.0;
-    const float FLOAT_STEP = 1.0 / 65536.0;
-    const float INT_STEP = 256.0;
-    ivec3 step = ivec3(INT_STEP * n);
-    vec3 stepped = intBitsToFloat(floatBitsToInt(p) + ivec3(p.x < 0.0 ? -step.x : step.x, p.y < 0.0 ? -step.y : step.y,
-                                                            p.z < 0.0 ? -step.z : step.z));
-    return mix(stepped, p + FLOAT_STEP * n, lessThan(abs(p), vec3(NEAR_ORIGIN)));
+    return x.position + (dot(x.normal, direction) > 0.0 ? x.clearance : -x.clearance) * x.normal;
 }
 
 /// A ray that must meet nothing before t_max, in units of its direction.
@@ -62,22 +55,26 @@ struct ShadowRay {
     float t_max;
 };
 
-/// Between the surface points x and y. Both are moved off their surfaces: nx and ny point to the sides that face each other.
-ShadowRay shadow_ray(vec3 x, vec3 nx, vec3 y, vec3 ny)
+/// Between two points, to the sides of their surfaces that face each other.
+ShadowRay shadow_ray(RayEnd x, RayEnd y)
 {
-    vec3 origin = offset_origin(x, nx);
-    return ShadowRay(origin, offset_origin(y, ny) - origin, 1.0);
+    // How much lower y's surface may seem from afar: that of the ray's rounding, and of the intersection test's.
+    const float RELATIVE_ERROR = 16.0 * UNIT_ROUNDOFF;
+    vec3 d = y.position - x.position;
+    y.clearance += RELATIVE_ERROR * length(d);
+    vec3 origin = leave_surface(x, d);
+    return ShadowRay(origin, leave_surface(y, -d) - origin, 1.0);
+}
+
+/// In a direction, to infinity.
+ShadowRay shadow_ray(RayEnd x, vec3 direction)
+{
+    return ShadowRay(leave_surface(x, direction), direction, RAY_INFINITY);
 }
 
 bool is_free(ShadowRay ray)
 {
     return !trace_any(ray.origin, ray.direction, ray.t_max);
-}
-
-/// Is y seen from x? See shadow_ray.
-bool visible(vec3 x, vec3 nx, vec3 y, vec3 ny)
-{
-    return is_free(shadow_ray(x, nx, y, ny));
 }
 
 #endif

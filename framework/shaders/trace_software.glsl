@@ -20,10 +20,10 @@ vec3 safe_reciprocal(vec3 d)
 
 /// Where the ray enters the box, or RAY_INFINITY when it misses it or enters beyond t_max. The far side is widened by two units
 /// in the last place: Ize 2013, "Robust BVH Ray Traversal".
-float enter_box(vec3 lower, vec3 upper, vec3 origin_over_d, vec3 reciprocal, float t_max)
+float enter_box(vec3 lower, vec3 upper, vec3 origin, vec3 reciprocal, float t_max)
 {
-    vec3 t0 = lower * reciprocal - origin_over_d;
-    vec3 t1 = upper * reciprocal - origin_over_d;
+    vec3 t0 = (lower - origin) * reciprocal;
+    vec3 t1 = (upper - origin) * reciprocal;
     vec3 low = min(t0, t1);
     vec3 high = max(t0, t1);
     float enter = max(max(low.x, low.y), max(low.z, 0.0));
@@ -62,13 +62,12 @@ bool traverse(vec3 world_origin, vec3 world_direction, inout float t, bool any, 
     vec3 origin = world_origin;
     vec3 direction = world_direction;
     vec3 reciprocal = safe_reciprocal(direction);
-    vec3 origin_over_d = origin * reciprocal;
 
     while (node != STACK_EMPTY) {
         if (node >= 0) {
             BvhNode inner = nodes.at[node];
-            float t0 = enter_box(inner.lower0, inner.upper0, origin_over_d, reciprocal, t);
-            float t1 = enter_box(inner.lower1, inner.upper1, origin_over_d, reciprocal, t);
+            float t0 = enter_box(inner.lower0, inner.upper0, origin, reciprocal, t);
+            float t1 = enter_box(inner.lower1, inner.upper1, origin, reciprocal, t);
             bool swapped = t1 < t0;
             int near = swapped ? inner.child1 : inner.child0;
             int far = swapped ? inner.child0 : inner.child1;
@@ -81,7 +80,6 @@ bool traverse(vec3 world_origin, vec3 world_direction, inout float t, bool any, 
             origin = world_origin;
             direction = world_direction;
             reciprocal = safe_reciprocal(direction);
-            origin_over_d = origin * reciprocal;
             node = stack[--top];
         } else if (in_world) {
             BvhObject object = BvhObjectArray(SCENE.bvhObjects).at[uint(~node) >> BVH_LEAF_BITS];
@@ -92,10 +90,10 @@ bool traverse(vec3 world_origin, vec3 world_direction, inout float t, bool any, 
 #endif
             nodes = BvhNodeArray(object.nodes);
             triangles = BvhTriangleArray(object.triangles);
-            origin = object.worldToObject * vec4(world_origin, 1.0);
-            direction = object.worldToObject * vec4(world_direction, 0.0);
+            // The last column is the object's place in the world: taken off first, objects far from the origin lose no precision.
+            origin = mat3(object.worldToObject) * (world_origin - object.worldToObject[3]);
+            direction = mat3(object.worldToObject) * world_direction;
             reciprocal = safe_reciprocal(direction);
-            origin_over_d = origin * reciprocal;
             stack[top++] = LEAVE_OBJECT;
             node = 0;
         } else {

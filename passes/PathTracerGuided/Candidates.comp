@@ -147,7 +147,7 @@ void offer_light_sample(Tree tree, Vertex v, uint u, RandomKey key, RandomKey ch
     vec3 shares = label_shares(v, local);
     vec4 numbers = random4(choices, u, 0u);
     uint label = numbers.x < shares.x ? LABEL_SMOOTH : numbers.x < shares.x + shares.y ? LABEL_SHARP_REFLECT : LABEL_SHARP_TRANSMIT;
-    if (shares[label] <= 0.0 || !is_lit(p.position, p.normal, e))
+    if (shares[label] <= 0.0 || !is_lit(ray_end(p), e))
         return;
     Bounce bounce = Bounce(label, false, local, e.wi, label_value(v, label, local), 0.0, 1.0);
     float density = e.light_pdf / e.jacobian * shares[label] + (e.delta ? 0.0 : label_density(v, label, local, e.wi));
@@ -246,8 +246,7 @@ void trace_tree(Hit hit, uvec2 at)
             return;
 
         float t;
-        vec3 side = dot(v.point.normal, s.wi) > 0.0 ? v.point.normal : -v.point.normal;
-        bool found = trace_closest(offset_origin(v.point.position, side), s.wi, RAY_INFINITY, hit, t);
+        bool found = trace_closest(leave_surface(ray_end(v.point), s.wi), s.wi, RAY_INFINITY, hit, t);
         bool owned = u > 1u || s.delta;
         PathVertex bounce = record_bounce(v.point, v.material, s.label, s.wi, s.value);
         if (!found) {

@@ -23,11 +23,10 @@ vec3 estimate_direct(Vertex v, vec4 u)
     vec3 f = bsdf_eval(p.bsdf, p.wo, wi, LOBE_ALL);
     if (f == vec3(0.0) || !is_consistent(p, wi, light.wi))
         return vec3(0.0);
-    vec3 side = wi.z > 0.0 ? p.normal : -p.normal;
-    bool lit = light.distance < INFINITE_DISTANCE
-                   ? visible(p.position, side, light.position, dot(light.normal, light.wi) < 0.0 ? light.normal : -light.normal)
-                   : !trace_any(offset_origin(p.position, side), light.wi, RAY_INFINITY);
-    if (!lit)
+    ShadowRay ray = light.distance < INFINITE_DISTANCE
+                        ? shadow_ray(ray_end(p), RayEnd(light.position, light.normal, light.clearance))
+                        : shadow_ray(ray_end(p), light.wi);
+    if (!is_free(ray))
         return vec3(0.0);
     float weight = light.delta ? 1.0 : balance_heuristic(light.pdf, scatter_pdf(v, wi, light.wi));
     return f * abs(wi.z) * light.radiance * (weight / light.pdf) * transmittance_along(p, light.wi, light.distance, light.absorption);
@@ -60,8 +59,7 @@ vec3 trace_path(Hit hit, uvec2 pixel, RandomKey key)
 
         float t;
         vec3 x = v.point.position;
-        vec3 side = s.wi.z > 0.0 ? v.point.normal : -v.point.normal;
-        bool found = trace_closest(offset_origin(x, side), wi, RAY_INFINITY, hit, t);
+        bool found = trace_closest(leave_surface(ray_end(v.point), wi), wi, RAY_INFINITY, hit, t);
         vec3 emission;
         if (found) {
             surface = load_surface(hit, false);

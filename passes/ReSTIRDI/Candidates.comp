@@ -18,8 +18,7 @@ bool scatter_to_light(ShadingPoint p, vec4 u, out LightPoint point)
         return false;
     Hit hit;
     float t;
-    vec3 side = s.wi.z > 0.0 ? p.normal : -p.normal;
-    if (trace_closest(offset_origin(p.position, side), wi, RAY_INFINITY, hit, t)) {
+    if (trace_closest(leave_surface(ray_end(p), wi), wi, RAY_INFINITY, hit, t)) {
         point = point_on_triangle(hit.instance, hit.triangle, hit.barycentrics);
         return true;
     }

@@ -34,8 +34,7 @@ const uint CENTRE = MAX_NEIGHBOURS;
 /// The surface of a pixel as its own camera saw it, and where that surface stands today.
 struct Domain {
     ShadingPoint point;  ///< in the domain's frame
-    vec3 position;  ///< today
-    vec3 normal;  ///< geometric, today
+    RayEnd today;  ///< where the surface stands today
     bool previous;  ///< the domain's frame is the one before this
 };
 
@@ -78,7 +77,7 @@ Domain load_domain(Hit hit, bool previous)
     bool before = previous && RESTIRPG_FAULT != FAULT_PREVIOUS_CAMERA;
     vec3 camera = before ? frame.c.previousCamera.position : frame.c.camera.position;
     ShadingPoint point = shade_surface(then, normalize(camera - then.position));
-    return Domain(point, today.position, today.geometric_normal, previous);
+    return Domain(point, ray_end(today), previous);
 }
 
 /// The edge from a domain's surface point x to a light point.
@@ -96,7 +95,7 @@ LightEdge connect(LightPoint y, vec3 x, bool previous)
 /// left: the ray runs between the places where both ends stand today, so that neither hides behind itself.
 bool is_seen(Domain d, LightPoint y)
 {
-    return is_lit(d.position, d.normal, connect(y, d.position, false));
+    return is_lit(d.today, connect(y, d.today.position, false));
 }
 
 /// The target of a domain: p^(y) V(y).

@@ -25,7 +25,7 @@ vec3 incident(Vertex v, vec3 wi)
 {
     Hit hit;
     float t;
-    if (!trace_closest(offset_origin(v.point.position, v.point.normal), wi, RAY_INFINITY, hit, t))
+    if (!trace_closest(leave_surface(ray_end(v.point), wi), wi, RAY_INFINITY, hit, t))
         return environment_radiance(wi);
     ShadingPoint light = shade_surface(load_surface(hit, false), -wi);
     return triangle_emission(hit.instance, hit.triangle, hit.barycentrics, light.front);
