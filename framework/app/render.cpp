@@ -181,7 +181,7 @@ double renderFrames(Renderer& renderer, const Options& options, const std::strin
 {
     const auto start = std::chrono::steady_clock::now();
     Progress progress("rendering", options.frames);
-    while (renderer.frame() < options.frames && interruption.signal() == 0) {
+    while (renderer.frame() < options.frames && (renderer.frame() == 0 || interruption.signal() == 0)) {
         renderer.render(1);
         progress.advance();
         if (options.keepEvery > 0 && renderer.frame() % options.keepEvery == 0 && renderer.frame() < options.frames)
@@ -255,11 +255,11 @@ void render(Options& options)
     };
     Renderer renderer(scene, std::move(graph), options.renderer);
     compiling.reset();
+    const Interruption interruption;
     const auto& device = renderer.device().description();
     fmt::print("{}, {}, {} back end\n", device.name, device.driver,
                renderer.device().backend() == Backend::rayQuery ? "rayquery" : "software");
     std::fflush(stdout);
-    const Interruption interruption;
     const double seconds = renderFrames(renderer, options, shown, interruption);
     if (interruption.signal() != 0)
         logInfo(fmt::format("interrupted after {} of {} frames, which are kept", renderer.frame(), options.frames));

@@ -89,6 +89,7 @@ FrameConstants Renderer::constants() const
     if (cameraOverride_) {
         camera.yfov = cameraOverride_->yfov;
         toWorld = lookMatrix(*cameraOverride_);
+        toWorld[3] -= glm::vec4(scene_->origin, 0);
     }
     constants.camera = makeCamera(camera, toWorld, aspect);
     constants.previousCamera = previousCamera_.value_or(constants.camera);
@@ -161,7 +162,9 @@ CameraPose Renderer::camera() const
     if (cameraOverride_)
         return *cameraOverride_;
     const auto& node = scene_->cameras[scene_->camera];
-    return poseOf(node, poseNodes(*scene_, time_, overrides_)[node.node]);
+    auto toWorld = poseNodes(*scene_, time_, overrides_)[node.node];
+    toWorld[3] += glm::vec4(scene_->origin, 0);
+    return poseOf(node, toWorld);
 }
 
 void Renderer::moveCamera(const CameraPose& pose)

@@ -38,7 +38,16 @@ Bounds worldBounds(const Scene& scene)
     return bounds;
 }
 
-/// The view of ../shared/tools/gltf_to_mitsuba.py --frame: 40 degrees, from the upper right, the bounding sphere
+/// Where coordinates are relative to: the middle of a scene that lies farther off than FAR of its own radii, where floats would be coarse.
+glm::vec3 originOf(const Bounds& bounds)
+{
+    constexpr float FAR = 64;
+    const auto center = 0.5f * (bounds.lower + bounds.upper);
+    const float radius = 0.5f * glm::length(bounds.upper - bounds.lower);
+    return glm::length(center) > FAR * radius ? center : glm::vec3(0);
+}
+
+/// 40 degrees, from the upper right, the bounding sphere
 /// almost filling it.
 void addDefaultCamera(Scene& scene, const Bounds& bounds)
 {
@@ -133,6 +142,7 @@ Scene convert(const std::filesystem::path& path, bool allowOutside)
         warn("{}: no perspective camera; one that frames the scene is added", file.name());
         addDefaultCamera(scene, bounds);
     }
+    scene.origin = originOf(bounds);
     if (!emitsLight(scene)) {
         warn("{}: no light; a white environment of radiance 1 is added", file.name());
         scene.environment.emplace();

@@ -108,8 +108,13 @@ fs::path Resources::resolve(std::string_view name, const std::string& place) con
 
 fs::path Resources::resolveUri(const std::string& uri, const std::string& place) const
 {
-    const auto path = resolve(percentDecoded(localPart(uri, scene_.string(), place)), place);
+    auto name = percentDecoded(localPart(uri, scene_.string(), place));
+    auto path = resolve(name, place);
     std::error_code error;
+    if (!fs::exists(path, error) && name.find('\\') != name.npos) {  // written by an exporter on Windows
+        std::replace(name.begin(), name.end(), '\\', '/');
+        path = resolve(name, place);
+    }
     if (!fs::exists(path, error))
         fail("{}: {}: '{}': no such file; put it beside the scene", scene_.string(), place, printable(uri));
     return path;

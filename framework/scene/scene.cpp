@@ -189,12 +189,16 @@ std::vector<glm::mat4> poseNodes(const Scene& scene, float time, const std::vect
         }
         }
     }
+    // In double until the origin is taken off: what stands far from the world's origin keeps its place to a fraction of its own size.
+    std::vector<glm::dmat4> world(nodes.size());
+    for (size_t i = 0; i < nodes.size(); ++i) {
+        const glm::dmat4 local(i < overrides.size() && overrides[i] ? *overrides[i] : localMatrix(nodes[i]));
+        world[i] = nodes[i].parent < 0 ? local : world[size_t(nodes[i].parent)] * local;
+    }
     std::vector<glm::mat4> pose(nodes.size());
     for (size_t i = 0; i < nodes.size(); ++i) {
-        const auto local = i < overrides.size() && overrides[i] ? *overrides[i] : localMatrix(nodes[i]);
-        pose[i] = nodes[i].parent < 0 ? local : pose[size_t(nodes[i].parent)] * local;
-    }
-    for (size_t i = 0; i < nodes.size(); ++i) {
+        world[i][3] -= glm::dvec4(scene.origin, 0);
+        pose[i] = glm::mat4(world[i]);
         for (int column = 0; column < 4; ++column)
             if (!glm::all(glm::lessThan(glm::abs(pose[i][column]), glm::vec4(LARGEST))))
                 fail("{}: node {} '{}': its matrix exceeds {} at {} s; mend its animation", scene.file.string(), i, nodes[i].name,

@@ -120,6 +120,8 @@ struct Scene {
     std::vector<uint32_t> materialOfTriangle;
 
     uint32_t camera = 0;  ///< into cameras
+    /// The world position that poses are relative to: 0, but in the middle of scenes that lie far from 0 for their size.
+    glm::vec3 origin{0};
     std::optional<uint32_t> bounceCap;  ///< asset extras "restirpg": {"bounces": n}: the scene's own bounce cap
     float duration = 0;  ///< s, the end of the last animation key
 
@@ -129,7 +131,7 @@ struct Scene {
 /// A node's matrix towards its parent.
 glm::mat4 localMatrix(const Node& node);
 
-/// World matrices of all nodes at a time, in the order of Scene::nodes. Times outside a channel's keys are clamped.
+/// World matrices of all nodes at a time, relative to Scene::origin, in the order of Scene::nodes. Times outside a channel's keys are clamped.
 /// Every one has an inverse: what is scaled to nothing becomes thinner than anything seen instead. Throws Error where one is not
 /// finite. `overrides` (empty, or one a node) replaces the local matrix of a node that a user moved.
 std::vector<glm::mat4> poseNodes(const Scene& scene, float time,

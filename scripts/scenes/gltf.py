@@ -267,11 +267,11 @@ class SceneFile:
             self._json["nodes"][parent].setdefault("children", []).append(index)
         return index
 
-    def add_camera(self, position, target, yfov=40.0, name="Camera"):
+    def add_camera(self, position, target, yfov=40.0, name="Camera", up=(0.0, 1.0, 0.0)):
         """Add a perspective camera. `yfov`: vertical field of view in degrees."""
         camera = self._append("cameras", {"name": name, "type": "perspective",
                                           "perspective": {"yfov": math.radians(yfov), "znear": 0.01}})
-        return self._add_node({"name": name, "camera": camera}, position, look_at(position, target))
+        return self._add_node({"name": name, "camera": camera}, position, look_at(position, target, up))
 
     def add_spot(self, name, position, target, intensity, inner=15.0, outer=25.0, up=(0.0, 0.0, 1.0)):
         """Add a spot light (KHR_lights_punctual). `intensity`: (r, g, b), W/sr; half cone angles, degrees."""

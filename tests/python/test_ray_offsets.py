@@ -4,6 +4,7 @@ RUNS independent runs of FRAMES frames, 16 x 16, seeds fixed; 4 standard errors 
 tested by tests/trace/clearance_test.
 """
 
+import math
 import sys
 
 import numpy as np
@@ -57,12 +58,36 @@ def test_a_large_slope_does_not_shadow_itself(tmp_path, graph):
     assert image.min() > 0.3  # no pixel is black
 
 
-def test_no_light_leaks_in_where_walls_touch_the_floor(tmp_path):
-    scene = SceneFile("contact", 8, environment=(10.0, 10.0, 10.0))
+@pytest.mark.parametrize("slabs", [2, 3])
+def test_slabs_that_nearly_touch_reflect_at_all_sides(tmp_path, slabs):
+    """Glazing, and a liquid between glasses: 6 mm each, 0.1 mm apart, 300 m from the origin."""
+    scene = SceneFile(f"slabs_{slabs}", 8)
+    at = np.array([300.0, 0.0, 300.0])
+    for k in range(slabs):
+        scene.add(f"Slab{k}", (shapes.box((-1, -1, 0.0061 * k), (1, 1, 0.0061 * k + 0.006)), glass("Glass")), at=at.tolist())
+    scene.add("Wall", (shapes.quad((-4, -4, -1), (8, 0, 0), (0, 8, 0)), emitter("Wall", (1.0, 1.0, 1.0))), at=at.tolist())
+    scene.add_camera((at + [0, 0, 2]).tolist(), at.tolist(), 10.0)
+    means = run_means(scene.write(tmp_path), RUNS, 4 * FRAMES, bounces=32)
+    reflectance = 0.04
+    exact = (1 - reflectance) / (1 + (2 * slabs - 1) * reflectance)  # Stokes: a pile of plates, all orders
+    assert standard_errors_off(means, exact) < LIMIT
+
+
+def behind_a_sheet(folder, distance):
+    """The mean of 0.2 mm of a table, `distance` m behind the edge of a sheet of 0.4 mm that lies on it, lit across it at 45 degrees."""
+    scene = SceneFile("contact", 0)
     white = lambert("White", (0.9, 0.9, 0.9))
-    scene.add("Floor", (shapes.quad((-50, 0, 50), (100, 0, 0), (0, 0, -100)), white), at=[80, 0, 30])
-    scene.add("Room", (shapes.box((-1, 0, -1), (1, 1, 1)).inverted(), white), at=[80, 0, 30])  # its bottom lies in the floor
-    scene.add_camera((80.7, 0.6, 30.8), (79.6, 0.0, 29.4), 80.0)
-    renderer = make_renderer(restirpg.load_scene(scene.write(tmp_path)), size=(16, 16))
-    renderer.render(32)
-    assert np.all(renderer.output("image") == 0)
+    at = np.array([80.0, 0.0, 30.0])
+    scene.add("Table", (shapes.quad((-50, 0, 50), (100, 0, 0), (0, 0, -100)), white), at=at.tolist())
+    scene.add("Sheet", (shapes.box((0, 0, -0.1), (0.2, 4e-4, 0.1)), white), at=at.tolist())
+    scene.add_spot("Lamp", (at + [10, 10, 0]).tolist(), at.tolist(), (1000.0, 1000.0, 1000.0))
+    scene.add_camera((at + [-distance, 0.1, 0.05]).tolist(), (at + [-distance, 0, 0.05]).tolist(), math.degrees(2e-4 / 0.1), up=(0, 0, 1))
+    renderer = make_renderer(restirpg.load_scene(scene.write(folder)), size=(16, 16))
+    renderer.render(1)
+    return renderer.output("image").mean()
+
+
+def test_a_sheet_on_a_table_shadows_up_to_its_edge(tmp_path):
+    # The shadow ends 0.4 mm behind the edge, less the clearance of a table of 100 m: 0.07 mm.
+    assert behind_a_sheet(tmp_path, 1.6e-4) == 0
+    assert behind_a_sheet(tmp_path, 6e-4) > 0.1

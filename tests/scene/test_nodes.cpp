@@ -55,6 +55,21 @@ TEST(Nodes, AChildMovesWithItsParent)
         EXPECT_LT(scene.nodes[i].parent, int(i));
 }
 
+TEST(Nodes, PosesOfAFarSceneAreRelativeToItsMiddle)
+{
+    GltfBuilder builder;
+    const int mesh = builder.addMesh(addSquare(builder));
+    const int child = builder.addNode({{"mesh", mesh}, {"translation", {0.125, 0.001, 0}}}, false);
+    builder.addNode({{"children", {child}}, {"translation", {100000, 0, 100000}}});
+    const auto scene = load(builder);
+    EXPECT_GT(scene.origin.x, 99999.0f);
+    // The floats beside 100000 are 8 mm apart.
+    const glm::dvec3 place = glm::dvec3(transform(poseOf(scene, uint32_t(child)), {0, 0, 0})) + glm::dvec3(scene.origin);
+    EXPECT_NEAR(place.x, 100000.125, 1e-6);
+    EXPECT_NEAR(place.y, 0.001, 1e-6);
+    EXPECT_EQ(load(squareScene()).origin, glm::vec3(0));
+}
+
 TEST(Nodes, MatricesAreColumnMajor)
 {
     const auto scene = load(animatedScene());
@@ -270,7 +285,7 @@ TEST(Cameras, TheDefaultOneFramesTheBoundingSphere)
     const auto scene = load(squareScene());
     ASSERT_EQ(scene.cameras.size(), 1u);
     const auto camera = makeCamera(scene.cameras[0], poseNodes(scene, 0)[scene.cameras[0].node], 1);
-    // ../shared/tools/gltf_to_mitsuba.py --frame: centre + d r / sin(20 degrees) * 0.9, d = (.35, .25, 1) normalised.
+    // Centre + d r / sin(20 degrees) * 0.9, d = (.35, .25, 1) normalised.
     const auto direction = glm::normalize(glm::vec3(0.35f, 0.25f, 1));
     const float radius = std::sqrt(0.5f);
     expectNear(camera.position, glm::vec3(0.5f, 0.5f, 0) + direction * (radius / std::sin(glm::radians(20.0f)) * 0.9f));

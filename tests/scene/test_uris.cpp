@@ -68,7 +68,7 @@ constexpr const char* OUTSIDE = "lies outside of the scene's folder";
 
 TEST_F(Uris, FilesAtOrBelowTheFolderAreRead)
 {
-    for (const char* uri : {"mine.bin", "./mine.bin", "%6dine.bin", "sub/deep.bin", "sub/../mine.bin", "sub%2fdeep.bin"})
+    for (const char* uri : {"mine.bin", "./mine.bin", "%6dine.bin", "sub/deep.bin", "sub/../mine.bin", "sub%2fdeep.bin", R"(sub\deep.bin)"})
         expectLoads(uri);
     expectLoads((folder_ / "mine.bin").string());
     expectLoads("file://" + (folder_ / "mine.bin").string());
