@@ -78,7 +78,7 @@ def parse(arguments):
         "own)",
     )
     add("--environment", metavar="FILE|R,G,B", help="environment light in place of the scene's")
-    add("--allow-outside", action="store_true", help="let a scene read files that lie outside of its own folder")
+    program.add_allow_outside(parser)
     add("--camera", type=program.whole(0), default=0, help="number of the scene's camera (%(default)s)")
     add(
         "--energy-compensation",

@@ -37,6 +37,7 @@ def parse(arguments):
     add("what", nargs="*", metavar="WHAT", help="as above; --list says what each is")
     add("--list", action="store_true", help="say what each is, how many jobs, and about how long it takes")
     add("--scenes", nargs="+", metavar="NAME|FILE", help="scenes in place of the figures' own")
+    program.add_allow_outside(parser)
     sizes = parser.add_mutually_exclusive_group()
     for size in (paper.QUICK, paper.FULL):
         sizes.add_argument(
@@ -108,10 +109,17 @@ def print_list(evaluation):
         print(f"{name:10} {jobs:5} {minutes:7.0f}   {shows}")
 
 
+def evaluation_of(options, cache, pool, display):
+    """The Paper that the command line asks for."""
+    return paper.Paper(
+        size_from(options), options.out, cache, pool, display, options.scenes, options.allow_outside
+    )
+
+
 def reproduce(options, cache, pool, display):
     """Run the experiments and write the report. Returns the exit code."""
     started = time.monotonic()
-    evaluation = paper.Paper(size_from(options), options.out, cache, pool, display, options.scenes)
+    evaluation = evaluation_of(options, cache, pool, display)
     wanted = chosen(options.what)
     for scene in evaluation.chosen:
         evaluation.file(scene)  # a wrong name is told before anything long starts
@@ -137,7 +145,7 @@ def main(arguments):
     def body(display):
         render.find_package()
         if options.list:
-            print_list(paper.Paper(size_from(options), options.out, None, None, display, options.scenes))
+            print_list(evaluation_of(options, None, None, display))
             return 0
         chosen(options.what)
         files.refuse_inputs_among([*(options.scenes or ()), options.reference_graph], options.out, OUTPUTS)

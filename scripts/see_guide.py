@@ -4,7 +4,7 @@ product rho L_i cos.
 
     scripts/see_guide.py --scene FILE --pixel X Y [--pixel X Y ...]
         [--graph graphs/restir_pg.py]
-        [--frames 64] [--size 160x90] [--cell-size 0.05] [--raw] [-o out/guide.png] [--markdown FILE]
+        [--frames 64] [--size 160x90] [--cell-size 0.05] [--raw] [--allow-outside] [-o out/guide.png] [--markdown FILE]
 
 One row of maps a pixel, each the hemisphere about the surface's normal: azimuth to the right, cosine
 downwards from 1 to 0, so that equal areas are equal solid angles. The product is a render of what the point
@@ -38,6 +38,7 @@ def parse():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--scene", type=Path, required=True)
+    program.add_allow_outside(parser)
     parser.add_argument("--pixel", type=int, nargs=2, action="append", required=True)
     parser.add_argument("--graph", type=Path, default=Path(__file__).parents[1] / "graphs" / "restir_pg.py")
     parser.add_argument("--frames", type=program.positive, default=64)
@@ -55,7 +56,7 @@ def see(arguments):
 
     from harness import guide_maps
 
-    scene = restirpg.load_scene(arguments.scene)
+    scene = restirpg.load_scene(arguments.scene, allow_outside=arguments.allow_outside)
     learner = guide_maps.Learner(
         scene,
         restirpg.load_graph(arguments.graph).description,

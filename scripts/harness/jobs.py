@@ -138,8 +138,9 @@ class Call:
     scene_hash: str
     settings: tuple  # ((name, value), ...): whatever else the result depends on
     code: str  # hash of the renderer's own files
+    allow_outside: bool = False  # the scene may read files that lie outside of its own folder
     label: str = field(default="", compare=False)  # for messages
-    camera, environment, allow_outside = 0, None, False  # the scene's own
+    camera, environment = 0, None  # the scene's own
 
     @property
     def key(self):

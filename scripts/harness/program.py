@@ -62,6 +62,13 @@ def frame_numbers(text):
     return numbers
 
 
+def add_allow_outside(parser):
+    """What a scene may read, as `restirpg render` has it."""
+    parser.add_argument(
+        "--allow-outside", action="store_true", help="let a scene read files that lie outside of its own folder"
+    )
+
+
 def add_runner(parser, out):
     """Arguments of who runs the jobs and where results go; `out`: the default folder."""
     parser.add_argument(

@@ -70,7 +70,8 @@ def run(options, cache, pool, display):
 def _base_job(options, pool):
     method = parse_method(options.methods[0]) if options.methods else Method("", options.reference_graph)
     scene = options.scenes[0]
-    facts = scenes.facts(pool, scene)
+    read = {name: getattr(options, name) for name in ("camera", "environment", "allow_outside")}
+    facts = scenes.facts(pool, scene, **read)
     return Job(
         scene=scene,
         scene_hash=facts.hash,
@@ -85,6 +86,7 @@ def _base_job(options, pool):
         device=method.device,
         backend=method.backend,
         bounces=facts.bounces(options.bounces),
+        **read,
     )
 
 

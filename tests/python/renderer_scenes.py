@@ -92,3 +92,15 @@ def write_flying_panel(file, times=(0, 1), interpolation="LINEAR"):
                         "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}],
         "buffers": [{"uri": uri, "byteLength": len(data)}], "bufferViews": views, "accessors": accessors}))
     return file
+
+
+def write_outside(inside):
+    """A copy of a glTF with one embedded buffer, in a folder below it: its buffer is a file beside `inside`."""
+    document = json.loads(inside.read_text())
+    buffer = document["buffers"][0]
+    inside.with_suffix(".bin").write_bytes(base64.b64decode(buffer["uri"].partition(",")[2]))
+    buffer["uri"] = f"%2e%2e/{inside.stem}.bin"
+    outside = inside.parent / "below" / inside.name
+    outside.parent.mkdir()
+    outside.write_text(json.dumps(document))
+    return outside

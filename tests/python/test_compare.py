@@ -141,6 +141,8 @@ def test_scenes_read_outside_of_their_folders_only_where_that_is_allowed(tmp_pat
     assert refused.returncode == 2 and "outside of the scene's folder" in refused.stderr
     allowed = compare(tmp_path, "plain.json", "--allow-outside", scenes="outside.gltf")
     assert allowed.returncode == 0, allowed.stderr
+    tested = compare(tmp_path, "plain.json", "--allow-outside", "--self-test", "--trials", "1", scenes="outside.gltf")
+    assert "trials" in tested.stdout, tested.stderr
 
 
 def test_runs_that_shared_the_machine_are_told_apart_from_those_that_did_not(tmp_path):

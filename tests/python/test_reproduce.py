@@ -15,7 +15,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from renderer_scenes import ROOT, restirpg  # noqa: F401  (finds the binding module)
+from renderer_scenes import ROOT, restirpg, write_flying_panel, write_outside
 from webdriver import Browser
 
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -27,6 +27,7 @@ from harness.paper import (  # noqa: E402
 )  # fmt: skip
 from harness.paper.comparisons import CANDIDATES  # noqa: E402
 from harness.paper.paper import METHODS, OURS, QUICK, SHOWN, UNGUIDED, Paper, Results, Study  # noqa: E402
+from harness.render import load_scene  # noqa: E402
 from harness.scenes import facts  # noqa: E402
 from harness.workers import Pool  # noqa: E402
 
@@ -424,6 +425,28 @@ def test_a_bounce_cap_takes_the_place_of_the_scene_s(tmp_path, arguments, cap):
         assert facts(pool, scene).bounces(settings.bounces) == cap
         call = evaluation.call(figure_4.directions, "door_ajar", "graphs/restir_pg.py")
         assert dict(call.settings)["bounces"] == cap
+
+
+def test_scenes_read_outside_of_their_folders_only_where_that_is_allowed(tmp_path):
+    outside = write_outside(write_flying_panel(tmp_path / "panel.gltf"))
+    refused = reproduce(tmp_path, "figure", "5", *SMALL, "--scenes", outside)
+    assert refused.returncode == 2 and "lies outside of the scene's folder" in refused.stderr, refused.stderr
+    options = program.parse(["figure", "5", "--allow-outside", "--scenes", str(outside)])
+    with Pool(tmp_path, 1) as pool:
+        evaluation = program.evaluation_of(options, None, pool, None)
+        assert evaluation.settings(Study(METHODS, evaluation.scenes())).allow_outside
+        call = evaluation.call(figure_4.directions, str(outside), "graphs/restir_pg.py")  # asks a worker for its facts
+    assert load_scene(call)[1].triangles == 2
+
+
+def test_the_guide_is_seen_in_a_scene_that_reads_outside_of_its_folder_where_that_is_allowed(tmp_path):
+    outside = write_outside(write_flying_panel(tmp_path / "panel.gltf"))
+    (tmp_path / "none.py").write_text("graph = 0\n")  # a graph is read after the scene; rendering would take seconds
+    command = [sys.executable, ROOT / "scripts" / "see_guide.py", "--scene", outside, "--pixel", "0", "0", "--graph",
+               tmp_path / "none.py", "-o", tmp_path / "guide.png"]
+    for arguments, words in (([], "lies outside of the scene's folder"), (["--allow-outside"], "none.py")):
+        run = subprocess.run([*command, *arguments], capture_output=True, text=True)
+        assert run.returncode == 2 and len(run.stderr.splitlines()) == 1 and words in run.stderr, run.stderr
 
 
 def test_an_embedded_scene_is_not_written_over_one_that_is_named(tmp_path):

@@ -12,7 +12,7 @@ import zlib
 
 import numpy as np
 import pytest
-from renderer_scenes import make_renderer, restirpg
+from renderer_scenes import make_renderer, restirpg, write_outside
 
 ALBEDO = 0.8
 TO_LIGHT = np.array([0.3, 0.4, math.sqrt(0.75)])
@@ -155,14 +155,8 @@ def test_each_quad_has_its_radiance(tmp_path, backend):
 
 
 def test_a_scene_reads_outside_of_its_folder_only_where_that_is_allowed(tmp_path):
-    quads = all_quads()
-    inside = quads.write(tmp_path / "quads.gltf")
-    data = base64.b64decode(quads.document["buffers"][0]["uri"].partition(",")[2])
-    (tmp_path / "quads.bin").write_bytes(data)
-    quads.document["buffers"][0]["uri"] = "%2e%2e/quads.bin"
-    (tmp_path / "below").mkdir()
-    outside = tmp_path / "below" / "quads.gltf"
-    outside.write_text(json.dumps(quads.document))
+    inside = all_quads().write(tmp_path / "quads.gltf")
+    outside = write_outside(inside)
     with pytest.raises(restirpg.Error, match="lies outside of the scene's folder"):
         restirpg.load_scene(outside)
     allowed = restirpg.load_scene(outside, allow_outside=True)

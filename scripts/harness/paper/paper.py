@@ -77,9 +77,10 @@ class Results:
 class Paper:
     """One evaluation: its size and folder, and what has been measured for it so far."""
 
-    def __init__(self, size, out, cache, pool, display, chosen=None):
+    def __init__(self, size, out, cache, pool, display, chosen=None, allow_outside=False):
         self.size, self.out, self.cache, self.pool, self.display = size, Path(out), cache, pool, display
         self.chosen = tuple(chosen or ())  # scenes that the user named, in place of those of the figures
+        self.allow_outside = allow_outside  # scenes may read files that lie outside of their own folder
         self.failures, self.devices, self.code = [], {}, render.code_version()
         self._results, self._files = {}, {}
 
@@ -109,6 +110,7 @@ class Paper:
             reference_batches=size.reference_batches,
             reference_graph=size.reference_graph,
             bounces=size.bounces,
+            allow_outside=self.allow_outside,
         )
         return replace(settings, **dict(study.changes))
 
@@ -135,14 +137,14 @@ class Paper:
         evaluation's or the scene's cap of `bounces`, unless they are among the settings.
         """
         file = self.file(scene)
-        facts = scenes.facts(self.pool, file)
+        facts = scenes.facts(self.pool, file, allow_outside=self.allow_outside)
         settings = {
             "description": without_places(json.dumps(render.describe_graph(graph))),
             "size": self.size.size,
             "bounces": facts.bounces(self.size.bounces),
         } | settings
         label = f"{Path(file).stem}, {function.__module__.rpartition('.')[2]}"
-        return Call(function, file, facts.hash, tuple(sorted(settings.items())), self.code, label)
+        return Call(function, file, facts.hash, tuple(sorted(settings.items())), self.code, self.allow_outside, label)
 
     def answers(self, calls):
         """The calls' results in order, None for one that failed; what is not in the cache is measured."""
