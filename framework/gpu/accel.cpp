@@ -11,8 +11,8 @@ VkAccelerationStructureGeometryKHR triangleGeometry(const AccelerationMesh& mesh
     auto& triangles = geometry.geometry.triangles;
     triangles.sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_TRIANGLES_DATA_KHR;
     triangles.vertexFormat = VK_FORMAT_R32G32B32_SFLOAT;
-    triangles.vertexData.deviceAddress = mesh.positions;
-    triangles.vertexStride = sizeof(glm::vec3);
+    triangles.vertexData.deviceAddress = mesh.vertices;
+    triangles.vertexStride = sizeof(MeshVertex);
     triangles.maxVertex = mesh.vertexCount - 1;
     triangles.indexType = VK_INDEX_TYPE_UINT32;
     triangles.indexData.deviceAddress = mesh.indices;
@@ -92,11 +92,11 @@ AccelerationStructures::Structure AccelerationStructures::build(VkAccelerationSt
     return structure;
 }
 
-void AccelerationStructures::buildTopLevel(std::span<const Instance> instances)
+void AccelerationStructures::buildTopLevel(std::span<const Instance> instances, std::span<const uint32_t> meshOfInstance)
 {
     std::vector<VkAccelerationStructureInstanceKHR> records;
     for (uint32_t i = 0; i < instances.size(); ++i) {
-        const uint32_t mesh = instances[i].mesh;
+        const uint32_t mesh = meshOfInstance[i];
         if (!meshes_[mesh].handle)
             continue;
         VkAccelerationStructureInstanceKHR record{};

@@ -12,7 +12,7 @@ namespace restirpg {
 
 /// A range of the scene's geometry that becomes one bottom-level structure.
 struct AccelerationMesh {
-    uint64_t positions;  ///< device address of the first vertex (vec3)
+    uint64_t vertices;  ///< device address of the first one
     uint64_t indices;  ///< device address of the first triangle (uvec3)
     uint32_t vertexCount;
     uint32_t triangleCount;
@@ -27,7 +27,7 @@ public:
     AccelerationStructures& operator=(const AccelerationStructures&) = delete;
 
     /// (Re)build the top level over the instances; the custom index is the instance's place in the span.
-    void buildTopLevel(std::span<const Instance> instances);
+    void buildTopLevel(std::span<const Instance> instances, std::span<const uint32_t> meshOfInstance);
     VkAccelerationStructureKHR topLevel() const { return top_.handle; }
 
 private:

@@ -19,8 +19,22 @@ constexpr uint32_t MAX_DEPTH = 40;  // with TLAS_DEPTH and the way out of an ins
 constexpr uint32_t SPLIT_CAPACITY = 2;  // room for references made by spatial splits, times the triangles
 constexpr uint32_t TLAS_DEPTH = 22;
 
-/// The box of an unused child: a point so far away that no ray reaches it. (An inverted box would not do: the slab test sorts.)
-constexpr glm::vec3 NOWHERE(1e30f);
+/// The grid that spans the box. No cell is smaller than the distance of floats there, or nothing.
+BvhGrid gridOver(const Box& box)
+{
+    constexpr float CELLS = 65534;  // one less than there are: the last one rounds
+    const glm::vec3 far = glm::max(glm::abs(box.lower), glm::abs(box.upper));
+    const glm::vec3 cell = glm::max(glm::max((box.upper - box.lower) / CELLS, far * 0x1p-23f), glm::vec3(1e-30f));
+    return {box.lower, 1.0f / cell, CELLS * std::max({cell.x, cell.y, cell.z}), 0};
+}
+
+/// A box on the grid, rounded outwards.
+glm::uvec3 toGrid(const BvhGrid& grid, const Box& box)
+{
+    const auto coordinates = [&](glm::vec3 p) { return (glm::dvec3(p) - glm::dvec3(grid.origin)) * glm::dvec3(grid.scale); };
+    const auto within = [](glm::dvec3 q) { return glm::uvec3(glm::clamp(q, 0.0, 65535.0)); };
+    return within(glm::floor(coordinates(box.lower))) | within(glm::ceil(coordinates(box.upper))) << 16u;
+}
 
 /// The tree as Embree's callbacks make it, before it is flattened.
 struct TreeNode {
@@ -115,8 +129,7 @@ public:
         bvh_.nodes.emplace_back();
         const int child0 = add(node->children[0]);
         const int child1 = add(node->children[1]);
-        bvh_.nodes[index] = {node->bounds[0].lower, node->bounds[0].upper, node->bounds[1].lower,
-                             node->bounds[1].upper, child0,                child1};
+        bvh_.nodes[index] = {toGrid(bvh_.grid, node->bounds[0]), toGrid(bvh_.grid, node->bounds[1]), child0, child1};
         return int(index);
     }
 
@@ -143,11 +156,12 @@ RTCDevice builderDevice()
 
 Bvh build(std::span<const Box> boxes, uint32_t maxLeafSize, const SourceTriangle* triangles)
 {
-    Bvh bvh;
-    if (boxes.empty()) {
-        bvh.nodes.push_back({NOWHERE, NOWHERE, NOWHERE, NOWHERE, ~0, ~0});
-        return bvh;
+    Box all;
+    for (const auto& box : boxes) {
+        all.extend(box.lower);
+        all.extend(box.upper);
     }
+    Bvh bvh{gridOver(all), {}, {}};
     auto primitives = toPrimitives(boxes);
     const std::unique_ptr<RTCBVHTy, decltype(&rtcReleaseBVH)> builder(rtcNewBVH(builderDevice()), rtcReleaseBVH);
     RTCBuildArguments arguments = rtcDefaultBuildArguments();
@@ -185,14 +199,9 @@ Bvh build(std::span<const Box> boxes, uint32_t maxLeafSize, const SourceTriangle
         fail("the bounding volume hierarchy of {} primitives could not be built (Embree error {}); is memory short?",
              boxes.size(), int(rtcGetDeviceError(builderDevice())));
 
-    if (root->first) {
-        Box all;
-        for (const auto& box : boxes) {
-            all.extend(box.lower);
-            all.extend(box.upper);
-        }
-        bvh.nodes.push_back({all.lower, all.upper, NOWHERE, NOWHERE, 0, ~0});
-        bvh.nodes[0].child0 = Flattener(bvh).add(root);
+    if (root->first) {  // twice the same leaf, the second seen as a point that most rays miss
+        const int leaf = Flattener(bvh).add(root);
+        bvh.nodes.push_back({toGrid(bvh.grid, all), toGrid(bvh.grid, {all.lower, all.lower}), leaf, leaf});
         return bvh;
     }
     Flattener(bvh).add(root);
@@ -214,12 +223,12 @@ TriangleBvh buildTriangleBvh(std::span<const SourceTriangle> triangles)
             boxes[i].extend(corner);
     constexpr uint32_t MAX_LEAF = 4;
     Bvh bvh = build(boxes, MAX_LEAF, triangles.data());
-    TriangleBvh result{std::move(bvh.nodes), {}};
+    TriangleBvh result{bvh.grid, std::move(bvh.nodes), {}};
     result.triangles.reserve(bvh.order.size());
     for (uint32_t i : bvh.order) {
         const auto& t = triangles[i];
         result.triangles.push_back(
-            {t.corners[0], t.corners[1] - t.corners[0], t.corners[2] - t.corners[0], t.instance, t.triangle});
+            {t.corners[0], t.corners[1] - t.corners[0], t.corners[2] - t.corners[0], t.instance, t.triangle, 0});
     }
     return result;
 }

@@ -21,16 +21,18 @@ struct Box {
 
 /// A hierarchy over boxes. Leaves refer to ranges of `order`.
 struct Bvh {
+    BvhGrid grid;
     std::vector<BvhNode> nodes;  ///< the root first; at least one node
     std::vector<uint32_t> order;  ///< input indices in leaf order; with spatial splits an index can stand more than once
 };
 
-/// Surface-area-heuristic build (binned), at most maxLeafSize <= 2^BVH_LEAF_BITS primitives a leaf.
+/// Surface-area-heuristic build (binned) over at least one box, at most maxLeafSize <= 2^BVH_LEAF_BITS primitives a leaf.
 /// Deterministic: the same input gives the same nodes in the same order.
 Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeafSize);
 
 /// The hierarchy of a triangle soup with its triangles in leaf order.
 struct TriangleBvh {
+    BvhGrid grid;
     std::vector<BvhNode> nodes;
     std::vector<BvhTriangle> triangles;
 };

@@ -25,6 +25,7 @@ Device::Device(std::shared_ptr<LogicalDevice> logical)
 {
     setKernelDefine("RESTIRPG_RAY_QUERY", backend() == Backend::rayQuery ? "1" : "0");
     setKernelDefine("RESTIRPG_ALPHA_MASK", "0");
+    setKernelDefine("RESTIRPG_ONE_LEVEL", "0");
     vkGetPhysicalDeviceMemoryProperties(physical(), &memory_);
 
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};

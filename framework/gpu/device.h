@@ -63,6 +63,13 @@ public:
     /// A preprocessor definition that every kernel built from now on gets (the back end, what the scene needs).
     void setKernelDefine(const std::string& name, const std::string& value) { kernelDefines_[name] = value; }
     const std::map<std::string, std::string>& kernelDefines() const { return kernelDefines_; }
+    /// The same when kernels are there already: each is compiled again at its next dispatch.
+    void changeKernelDefine(const std::string& name, const std::string& value)
+    {
+        setKernelDefine(name, value);
+        ++kernelGeneration_;
+    }
+    uint32_t kernelGeneration() const { return kernelGeneration_; }
 
     /// Kernels are compiled side by side, in threads of their own: wait for all that were made for this device, throw the Error of the first
     /// that failed.
@@ -96,6 +103,7 @@ private:
     VkPhysicalDeviceMemoryProperties memory_{};
     std::vector<std::shared_future<std::shared_ptr<const Pipeline>>> kernels_;  ///< since the last finishKernels
     std::map<std::string, std::string> kernelDefines_;
+    uint32_t kernelGeneration_ = 0;
 };
 
 }  // namespace restirpg

@@ -26,15 +26,22 @@ public:
 
     explicit operator bool() const { return pipeline_.valid(); }
     /// Waits until it is compiled.
-    const Pipeline& pipeline() const { return *pipeline_.get(); }
+    const Pipeline& pipeline() const;
 
     /// Bind, set parameters, dispatch enough groups to cover width x height x depth invocations. The descriptor set is bound by the caller.
     void dispatch(VkCommandBuffer commands, const void* parameters, uint32_t parameterBytes, uint32_t width,
                   uint32_t height = 1, uint32_t depth = 1) const;
 
 private:
+    void compile(std::launch policy) const;
+
     Device* device_ = nullptr;
-    std::shared_future<std::shared_ptr<const Pipeline>> pipeline_;
+    std::filesystem::path file_;
+    Defines defines_;
+    Includes includes_;
+    // Of the device's defines as they are: pipeline() follows them.
+    mutable std::shared_future<std::shared_ptr<const Pipeline>> pipeline_;
+    mutable uint32_t generation_ = 0;
 };
 
 }  // namespace restirpg

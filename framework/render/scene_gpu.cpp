@@ -29,6 +29,29 @@ uint64_t shapeOf(const Texture& texture)
     return texture.width | uint64_t(texture.height) << TEXTURE_SIDE_BITS | uint64_t(flags) << (2 * TEXTURE_SIDE_BITS);
 }
 
+std::vector<TextureRef> mapsOf(const Material& m)
+{
+    std::vector<TextureRef> maps;
+    for (const auto& map : {m.baseColorMap, m.metallicRoughnessMap, m.normalMap, m.transmissionMap, m.specularMap, m.specularColorMap})
+        if (map.index != INVALID_INDEX)
+            maps.push_back(map);
+    return maps;
+}
+
+/// Does shading with it read tangents or second texture coordinates?
+bool readsExtras(const Material& material)
+{
+    const auto maps = mapsOf(material);
+    return material.normalMap.index != INVALID_INDEX ||
+        std::any_of(maps.begin(), maps.end(), [](const TextureRef& map) { return map.uvSet != 0; });
+}
+
+bool isColored(std::span<const VertexAttributes> attributes, const glm::uvec3& corners)
+{
+    const auto white = [&](uint32_t v) { return glm::vec3(attributes[v].color) == glm::vec3(1); };
+    return !(white(corners.x) && white(corners.y) && white(corners.z));
+}
+
 bool hasAlphaMask(const Scene& scene)
 {
     return std::any_of(scene.materials.begin(), scene.materials.end(),
@@ -44,7 +67,6 @@ SceneGpu::SceneGpu(Device& device, const Scene& scene, const std::vector<glm::ma
     device.setKernelDefine("RESTIRPG_ALPHA_MASK", hasAlphaMask(scene) ? "1" : "0");
     uploadGeometry();
     uploadMaterials(energyCompensation);
-    uploadMeshes();
     uploadTextures();
     placeInstances(pose);
     createAcceleration();
@@ -61,16 +83,36 @@ Buffer& SceneGpu::keep(Buffer buffer)
 
 void SceneGpu::uploadGeometry()
 {
-    table_.positions = keep(device_.createBuffer(scene_.positions, "positions")).address();
-    table_.attributes = keep(device_.createBuffer(scene_.attributes, "attributes")).address();
-    table_.indices = keep(device_.createBuffer(scene_.triangles, "indices")).address();
-    table_.materialOfTriangle = keep(device_.createBuffer(scene_.materialOfTriangle, "materialOfTriangle")).address();
+    std::vector<MeshVertex> vertices;
+    std::vector<VertexExtras> extras;
+    vertices.reserve(scene_.positions.size());
+    extras.reserve(scene_.positions.size());
+    for (size_t v = 0; v < scene_.positions.size(); ++v) {
+        const auto& a = scene_.attributes[v];
+        vertices.push_back({scene_.positions[v], a.normal, a.uv0});
+        extras.push_back({a.tangent, a.uv1, a.color});
+    }
+    std::vector<MeshTriangle> triangles(scene_.triangles.size());
+    for (const auto& mesh : scene_.meshes)
+        for (uint32_t t = mesh.firstTriangle; t < mesh.firstTriangle + mesh.triangleCount; ++t) {
+            const glm::uvec3 corners = scene_.triangles[t] + mesh.firstVertex;
+            const uint32_t material = scene_.materialOfTriangle[t];
+            const bool needsExtras = readsExtras(scene_.materials[material]) || isColored(scene_.attributes, corners);
+            triangles[t] = {corners, material | (needsExtras ? TRIANGLE_EXTRAS : 0)};
+        }
+    table_.vertices = keep(device_.createBuffer(vertices, "vertices")).address();
+    table_.vertexExtras = keep(device_.createBuffer(extras, "vertex extras")).address();
+    table_.triangles = keep(device_.createBuffer(triangles, "triangles")).address();
 }
 
 /// The materials; with energy compensation one table for each index of refraction that they have.
 void SceneGpu::uploadMaterials(bool energyCompensation)
 {
     std::vector<Material> materials = scene_.materials;
+    for (Material& material : materials) {
+        material.flags |= mapsOf(material).empty() ? 0 : MATERIAL_TEXTURED;
+        material.flags |= material.emissiveMap.index == INVALID_INDEX ? 0 : MATERIAL_EMISSION_TEXTURED;
+    }
     if (energyCompensation) {
         device_.setKernelDefine("RESTIRPG_ENERGY_COMPENSATION", "1");
         std::map<float, uint32_t> indices;
@@ -88,29 +130,23 @@ void SceneGpu::uploadMaterials(bool energyCompensation)
     table_.materials = keep(device_.createBuffer(materials, "materials")).address();
 }
 
-void SceneGpu::uploadMeshes()
-{
-    std::vector<Mesh> meshes;
-    for (const auto& mesh : scene_.meshes)
-        meshes.push_back({mesh.firstTriangle, mesh.triangleCount, mesh.firstVertex});
-    table_.meshes = keep(device_.createBuffer(meshes, "meshes")).address();
-}
-
 void SceneGpu::createAcceleration()
 {
     if (device_.backend() == Backend::software) {
         software_ = std::make_unique<SoftwareTracing>(device_, scene_, instances_);
+        oneLevel_ = software_->isOneLevel();
+        device_.setKernelDefine("RESTIRPG_ONE_LEVEL", oneLevel_ ? "1" : "0");
         return;
     }
+    const uint64_t indices = keep(device_.createBuffer(scene_.triangles, "indices")).address();
     std::vector<AccelerationMesh> meshes;
     for (const auto& mesh : scene_.meshes) {
         const auto first = scene_.materialOfTriangle.begin() + mesh.firstTriangle;
         const bool masked = std::any_of(first, first + mesh.triangleCount, [&](uint32_t material) {
             return scene_.materials[material].flags & MATERIAL_ALPHA_MASK;
         });
-        meshes.push_back({table_.positions + mesh.firstVertex * sizeof(glm::vec3),
-                          table_.indices + mesh.firstTriangle * sizeof(glm::uvec3), mesh.vertexCount, mesh.triangleCount,
-                          !masked});
+        meshes.push_back({table_.vertices + mesh.firstVertex * sizeof(MeshVertex), indices + mesh.firstTriangle * sizeof(glm::uvec3),
+                          mesh.vertexCount, mesh.triangleCount, !masked});
     }
     acceleration_ = std::make_unique<AccelerationStructures>(device_, meshes);
 }
@@ -140,13 +176,12 @@ void SceneGpu::uploadTextures()
 void SceneGpu::placeInstances(const std::vector<glm::mat4>& pose)
 {
     for (const auto& node : scene_.instances) {
-        Instance instance{};
-        instance.mesh = node.mesh;
-        instance.node = node.node;
-        instance.lightMap = INVALID_INDEX;
-        instance.objectToWorld = instance.previousObjectToWorld = glm::mat4x3(pose[node.node]);
-        instances_.push_back(instance);
-        bounds_.push_back(boundsOf(instance));
+        const auto& mesh = scene_.meshes[node.mesh];
+        const glm::mat4x3 toWorld(pose[node.node]);
+        instances_.push_back({toWorld, mesh.firstTriangle, mesh.triangleCount, INVALID_INDEX, glm::determinant(glm::mat3(toWorld)) < 0});
+        previousPoses_.push_back(toWorld);
+        meshOfInstance_.push_back(node.mesh);
+        bounds_.push_back(boundsOf(meshOfInstance_.size() - 1));
     }
     const Sphere sphere = boundingSphere();
     table_.center = sphere.center;
@@ -154,14 +189,16 @@ void SceneGpu::placeInstances(const std::vector<glm::mat4>& pose)
     table_.instanceCount = uint32_t(instances_.size());
     instanceBuffer_ = device_.createBuffer(instances_, "instances");
     table_.instances = instanceBuffer_.address();
+    previousPoseBuffer_ = device_.createBuffer(previousPoses_, "previous poses");
+    table_.previousPoses = previousPoseBuffer_.address();
 }
 
-Box SceneGpu::boundsOf(const Instance& instance) const
+Box SceneGpu::boundsOf(size_t instance) const
 {
     Box box;
-    const auto& mesh = scene_.meshes[instance.mesh];
+    const auto& mesh = scene_.meshes[meshOfInstance_[instance]];
     for (uint32_t v = 0; v < mesh.vertexCount; ++v)
-        box.extend(instance.objectToWorld * glm::vec4(scene_.positions[mesh.firstVertex + v], 1));
+        box.extend(instances_[instance].objectToWorld * glm::vec4(scene_.positions[mesh.firstVertex + v], 1));
     return box;
 }
 
@@ -204,21 +241,20 @@ void SceneGpu::uploadLights(const std::vector<glm::mat4>& pose)
         table_.environmentCells = keep(device_.createBuffer(lights_.environmentCells, "environment cells")).address();
 }
 
-/// Inverse matrices, and the acceleration structure over the instances as they stand.
+/// The instances as they stand, and the acceleration structure over them.
 void SceneGpu::refreshInstances()
 {
-    for (auto& instance : instances_) {
-        const glm::mat4 toWorld(instance.objectToWorld);
-        // In double: rays must not miss by the error of the inverse.
-        instance.worldToObject = glm::mat4x3(glm::inverse(glm::dmat4(toWorld)));
-        instance.flipped = glm::determinant(glm::mat3(toWorld)) < 0;
-    }
     device_.upload(instanceBuffer_, instances_.data(), instances_.size() * sizeof(Instance));
+    device_.upload(previousPoseBuffer_, previousPoses_.data(), previousPoses_.size() * sizeof(glm::mat4x3));
     if (software_) {
         software_->update(instances_);
         software_->fill(table_);
+        if (software_->isOneLevel() != oneLevel_) {
+            oneLevel_ = !oneLevel_;
+            device_.changeKernelDefine("RESTIRPG_ONE_LEVEL", oneLevel_ ? "1" : "0");
+        }
     } else {
-        acceleration_->buildTopLevel(instances_);
+        acceleration_->buildTopLevel(instances_, meshOfInstance_);
         bindings_.setAccelerationStructure(acceleration_->topLevel());
     }
 }
@@ -230,10 +266,11 @@ void SceneGpu::update(const std::vector<glm::mat4>& pose)
         return;
     for (size_t i = 0; i < instances_.size(); ++i) {
         auto& instance = instances_[i];
-        instance.previousObjectToWorld = instance.objectToWorld;
+        previousPoses_[i] = instance.objectToWorld;
         instance.objectToWorld = glm::mat4x3(pose[scene_.instances[i].node]);
-        if (instance.objectToWorld != instance.previousObjectToWorld)
-            bounds_[i] = boundsOf(instance);
+        instance.flipped = glm::determinant(glm::mat3(instance.objectToWorld)) < 0;
+        if (instance.objectToWorld != previousPoses_[i])
+            bounds_[i] = boundsOf(i);
     }
     refreshInstances();
     if (moved) {

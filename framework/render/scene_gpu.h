@@ -38,11 +38,10 @@ private:
     };
     void uploadGeometry();
     void uploadMaterials(bool energyCompensation);
-    void uploadMeshes();
     void createAcceleration();
     void uploadTextures();
     void placeInstances(const std::vector<glm::mat4>& pose);
-    Box boundsOf(const Instance& instance) const;
+    Box boundsOf(size_t instance) const;
     Sphere boundingSphere() const;
     void followScene(const Sphere& sphere);
     void uploadLights(const std::vector<glm::mat4>& pose);
@@ -54,13 +53,16 @@ private:
     SceneTable table_{};
     std::vector<Buffer> buffers_;
     std::vector<Instance> instances_;
+    std::vector<glm::mat4x3> previousPoses_;
+    std::vector<uint32_t> meshOfInstance_;
     std::vector<Box> bounds_;  ///< of each instance, world space
     LightTable lights_;
     std::vector<glm::mat4> pose_;
     bool settled_ = true;  ///< previous and current matrices agree on the device
-    Buffer instanceBuffer_, lightBuffer_;
+    Buffer instanceBuffer_, previousPoseBuffer_, lightBuffer_;
     BindingSet bindings_;
     std::unique_ptr<SoftwareTracing> software_;
+    bool oneLevel_ = false;  ///< what kernels were told
     std::unique_ptr<AccelerationStructures> acceleration_;
     uint64_t bytes_ = 0;
 };

@@ -10,9 +10,9 @@
 
 namespace restirpg {
 
-/// Everything that stands still, and whose mesh no other instance shares, is one hierarchy in world space: rays enter one tree
-/// instead of many that overlap (benchmarks/results/tracing_rates.md). An instance that
-/// moves for the first time leaves the batch, which is built again without it. Hits are the same either way.
+/// Everything that stands still is one hierarchy in world space: rays enter one tree instead of many that overlap
+/// (benchmarks/results/tracing_rates.md). Instances that share a mesh keep its own hierarchy where copies would take much memory. An
+/// instance that moves for the first time leaves the batch, which is built again without it. Hits are the same either way.
 class SoftwareTracing {
 public:
     SoftwareTracing(Device& device, const Scene& scene, std::span<const Instance> instances);
@@ -20,11 +20,14 @@ public:
     /// Follow the instances' matrices.
     void update(std::span<const Instance> instances);
     void fill(SceneTable& table) const;
+    /// Is everything in the static batch, so that kernels need no second level (RESTIRPG_ONE_LEVEL)?
+    bool isOneLevel() const;
 
 private:
     struct Hierarchy {
         Buffer nodes;
         Buffer triangles;
+        BvhGrid grid{};
         Box bounds;
     };
     Hierarchy build(std::span<const SourceTriangle> triangles, const std::string& name);
@@ -40,6 +43,7 @@ private:
     bool batchMasked_ = false;
     std::vector<bool> batched_;  ///< per instance
     std::vector<glm::mat4x3> batchPose_;
+    BvhGrid topGrid_{};
     Buffer topNodes_, objects_;
 };
 

@@ -99,6 +99,15 @@ struct InstanceNode {
     uint32_t node = 0;
 };
 
+/// What a vertex carries besides its position.
+struct VertexAttributes {
+    glm::vec3 normal{0};
+    glm::vec4 tangent{0};  ///< w: sign of the bitangent; all zero: no tangent
+    glm::vec2 uv0{0};
+    glm::vec2 uv1{0};
+    glm::vec4 color{1};  ///< linear COLOR_0, its alpha in a; 1 when absent
+};
+
 struct Scene {
     std::filesystem::path file;
     std::vector<std::filesystem::path> files;  ///< everything it was read from: `file`, its buffers and images, the environment

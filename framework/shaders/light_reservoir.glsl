@@ -56,9 +56,12 @@ bool sample_light_point(vec4 u, out LightPoint point)
 
 LightEdge edge_to_triangle(LightPoint point, vec3 x, bool previous)
 {
-    Instance placed = InstanceArray(SCENE.instances).at[point.instance];
-    mat4x3 pose = previous ? placed.previousObjectToWorld : placed.objectToWorld;
-    WorldTriangle t = place_triangle(placed, point.index, pose);
+    Instance placed = load_instance(point.instance);
+    MeshTriangle triangle = load_triangle(placed, point.index);
+    mat4x3 pose = placed.objectToWorld;
+    if (previous)
+        pose = load_previous_pose(point.instance);
+    WorldTriangle t = place_triangle(placed, load_corners(triangle.vertices), pose);
     LightEdge e;
     e.position = point_on(t, point.place);
     vec3 d = e.position - x;
@@ -68,7 +71,7 @@ LightEdge edge_to_triangle(LightPoint point, vec3 x, bool previous)
     float facing = dot(t.cross_product, e.wi);
     e.normal = normalize(facing < 0.0 ? t.cross_product : -t.cross_product);
     e.clearance = find_clearance(t, placed, e.position, e.normal);
-    Emission emission = emit_from_triangle(point.instance, point.index, point.place, facing < 0.0);
+    Emission emission = emit_from_triangle(triangle, point.place, facing < 0.0);
     e.radiance = emission.radiance;
     e.absorption = emission.absorption;
     // d(omega) = |cos| dA / d^2 and dA = |cross_product| d(barycentrics).

@@ -26,7 +26,7 @@ struct LightSample {
 
 WorldTriangle world_triangle(uint instance, uint triangle)
 {
-    Instance placed = InstanceArray(SCENE.instances).at[instance];
+    Instance placed = load_instance(instance);
     return place_triangle(placed, triangle, placed.objectToWorld);
 }
 
@@ -37,12 +37,14 @@ struct Emission {
 };
 
 /// The texture's part of an emitter's radiance; 0 where an alpha mask takes the surface away.
-vec3 textured_emission(Material material, uvec3 index, vec2 barycentrics)
+vec3 textured_emission(uint material_index, uvec3 index, vec2 barycentrics)
 {
+    Material material = MaterialArray(SCENE.materials).at[material_index];
     vec3 weight = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
-    AttributesArray attributes = AttributesArray(SCENE.attributes);
-    vec2 uv0 = mat3x2(attributes.at[index.x].uv0, attributes.at[index.y].uv0, attributes.at[index.z].uv0) * weight;
-    vec2 uv1 = mat3x2(attributes.at[index.x].uv1, attributes.at[index.y].uv1, attributes.at[index.z].uv1) * weight;
+    VertexExtrasArray extras = VertexExtrasArray(SCENE.vertexExtras);
+    Corners corners = load_corners(index);
+    vec2 uv0 = mat3x2(corners.a.uv0, corners.b.uv0, corners.c.uv0) * weight;
+    vec2 uv1 = mat3x2(extras.at[index.x].uv1, extras.at[index.y].uv1, extras.at[index.z].uv1) * weight;
     float alpha = material.alpha;
     if (material.baseColorMap.index != INVALID_INDEX)
         alpha *= fetch_texture(material.baseColorMap, uv0, uv1).a;
@@ -51,19 +53,22 @@ vec3 textured_emission(Material material, uvec3 index, vec2 barycentrics)
     return material.emissiveMap.index == INVALID_INDEX ? vec3(1.0) : fetch_texture(material.emissiveMap, uv0, uv1).rgb;
 }
 
-/// What a triangle emits at a point of it. `front`: to the side its winding faces.
-Emission emit_from_triangle(uint instance, uint triangle, vec2 barycentrics, bool front)
+/// What a triangle of a placed mesh emits at a point of it. `front`: to the side its winding faces.
+Emission emit_from_triangle(MeshTriangle triangle, vec2 barycentrics, bool front)
 {
-    Mesh mesh = MeshArray(SCENE.meshes).at[InstanceArray(SCENE.instances).at[instance].mesh];
-    uint index_of_material = UintArray(SCENE.materialOfTriangle).at[mesh.firstTriangle + triangle];
-    Material material = MaterialArray(SCENE.materials).at[index_of_material];
+    uint index = triangle.material & TRIANGLE_MATERIAL;
+    PlainMaterial material = load_material(index);
     if ((material.flags & MATERIAL_EMISSIVE) == 0u || (!front && (material.flags & MATERIAL_DOUBLE_SIDED) == 0u))
         return Emission(vec3(0.0), vec3(0.0));
     Emission e = Emission(material.emission, front ? vec3(0.0) : material.absorption);
-    if ((material.flags & MATERIAL_ALPHA_MASK) != 0u || material.emissiveMap.index != INVALID_INDEX)
-        e.radiance *= textured_emission(
-            material, Uvec3Array(SCENE.indices).at[mesh.firstTriangle + triangle] + mesh.firstVertex, barycentrics);
+    if ((material.flags & (MATERIAL_ALPHA_MASK | MATERIAL_EMISSION_TEXTURED)) != 0u)
+        e.radiance *= textured_emission(index, triangle.vertices, barycentrics);
     return e;
+}
+
+Emission emit_from_triangle(uint instance, uint triangle, vec2 barycentrics, bool front)
+{
+    return emit_from_triangle(load_triangle(load_instance(instance), triangle), barycentrics, front);
 }
 
 /// Its radiance alone.
@@ -119,7 +124,7 @@ vec2 sample_emission(Light light, vec4 u)
 /// 0 when it is no light.
 float triangle_light_density(uint instance, uint triangle, vec2 barycentrics)
 {
-    uint base = InstanceArray(SCENE.instances).at[instance].lightMap;
+    uint base = load_instance(instance).lightMap;
     if (base == INVALID_INDEX)
         return 0.0;
     uint index = UintArray(SCENE.lightOfTriangle).at[base + triangle];
@@ -172,8 +177,9 @@ LightSample no_light_sample(uint light)
 LightSample connect_triangle_light(uint index, Light light, vec2 barycentrics, vec3 x)
 {
     LightSample s = no_light_sample(index);
-    Instance placed = InstanceArray(SCENE.instances).at[light.instance];
-    WorldTriangle t = place_triangle(placed, light.triangle, placed.objectToWorld);
+    Instance placed = load_instance(light.instance);
+    MeshTriangle triangle = load_triangle(placed, light.triangle);
+    WorldTriangle t = place_triangle(placed, load_corners(triangle.vertices), placed.objectToWorld);
     s.position = point_on(t, barycentrics);
     vec3 d = s.position - x;
     s.distance = length(d);
@@ -182,7 +188,7 @@ LightSample connect_triangle_light(uint index, Light light, vec2 barycentrics, v
     s.wi = d / s.distance;
     s.normal = normalize(t.cross_product);
     s.clearance = find_clearance(t, placed, s.position, s.normal);
-    Emission emission = emit_from_triangle(light.instance, light.triangle, barycentrics, dot(s.normal, s.wi) < 0.0);
+    Emission emission = emit_from_triangle(triangle, barycentrics, dot(s.normal, s.wi) < 0.0);
     s.radiance = emission.radiance;
     s.absorption = emission.absorption;
     s.barycentrics = barycentrics;

@@ -5,12 +5,9 @@
 #include "texture.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vec3Array { vec3 at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Uvec3Array { uvec3 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer UintArray { uint at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer AttributesArray { VertexAttributes at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer VertexExtrasArray { VertexExtras at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialArray { Material at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer MeshArray { Mesh at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer InstanceArray { Instance at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightArray { Light at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ImportanceCellArray { ImportanceCell at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PrimaryHitArray { PrimaryHit at[]; };
@@ -18,13 +15,102 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Wor
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FloatImage { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Vec3Image { vec3 at[]; };
 
+// Records are read in words of 64 bits: CPU devices load component by component, whatever its width.
+
+/// A record of so many bytes in an array of them.
+WordArray record_at(Address array, uint index, uint bytes)
+{
+    return WordArray(array + uint64_t(index) * bytes);
+}
+
+uvec2 uints_of(WordArray record, uint word)
+{
+    return unpackUint2x32(record.at[word]);
+}
+
+vec2 floats_of(WordArray record, uint word)
+{
+    return uintBitsToFloat(unpackUint2x32(record.at[word]));
+}
+
+/// Six words from the record's first on.
+mat4x3 matrix_of(WordArray record)
+{
+    vec2 a = floats_of(record, 0u), b = floats_of(record, 1u), c = floats_of(record, 2u);
+    vec2 d = floats_of(record, 3u), e = floats_of(record, 4u), f = floats_of(record, 5u);
+    return mat4x3(vec3(a, b.x), vec3(b.y, c), vec3(d, e.x), vec3(e.y, f));
+}
+
+Instance load_instance(uint index)
+{
+    WordArray record = record_at(SCENE.instances, index, INSTANCE_BYTES);
+    uvec2 a = uints_of(record, 6u), b = uints_of(record, 7u);
+    return Instance(matrix_of(record), a.x, a.y, b.x, b.y);
+}
+
+/// objectToWorld of the frame before.
+mat4x3 load_previous_pose(uint instance)
+{
+    return matrix_of(record_at(SCENE.previousPoses, instance, POSE_BYTES));
+}
+
+MeshTriangle load_triangle(Instance placed, uint triangle)
+{
+    WordArray record = record_at(SCENE.triangles, placed.firstTriangle + triangle, TRIANGLE_BYTES);
+    uvec2 a = uints_of(record, 0u), b = uints_of(record, 1u);
+    return MeshTriangle(uvec3(a, b.x), b.y);
+}
+
+MeshVertex load_vertex(uint index)
+{
+    WordArray record = record_at(SCENE.vertices, index, VERTEX_BYTES);
+    vec2 a = floats_of(record, 0u), b = floats_of(record, 1u), c = floats_of(record, 2u);
+    return MeshVertex(vec3(a, b.x), vec3(b.y, c), floats_of(record, 3u));
+}
+
+/// The corners of a triangle.
+struct Corners {
+    MeshVertex a;
+    MeshVertex b;
+    MeshVertex c;
+};
+
+Corners load_corners(uvec3 vertices)
+{
+    return Corners(load_vertex(vertices.x), load_vertex(vertices.y), load_vertex(vertices.z));
+}
+
+/// A material without its maps, which MATERIAL_TEXTURED announces.
+struct PlainMaterial {
+    vec3 baseColor;
+    float metallic;
+    vec3 specularColor;
+    float roughness;
+    vec3 absorption;
+    float transmission;
+    float specular;
+    float ior;
+    float coatAverage;
+    uint flags;
+    vec3 emission;
+    float alpha;
+};
+
+PlainMaterial load_material(uint index)
+{
+    WordArray record = record_at(SCENE.materials, index, MATERIAL_BYTES);
+    vec2 a = floats_of(record, 0u), b = floats_of(record, 1u), c = floats_of(record, 2u), d = floats_of(record, 3u);
+    vec2 e = floats_of(record, 4u), f = floats_of(record, 5u), g = floats_of(record, 6u), h = floats_of(record, 7u);
+    vec2 i = floats_of(record, 8u), j = floats_of(record, 9u);
+    return PlainMaterial(vec3(a, b.x), b.y, vec3(c, d.x), d.y, vec3(e, f.x), f.y, g.x, g.y, h.x, floatBitsToUint(h.y), vec3(i, j.x), j.y);
+}
+
 /// The hit of a pixel, from a "Surface" port.
 Hit primary_hit(Address surfaces, uint pixel)
 {
-    // In 64-bit words: on CPU devices a load costs the same whatever its width.
-    WordArray words = WordArray(surfaces + uint64_t(pixel) * PRIMARY_HIT_BYTES);
-    uvec2 ids = unpackUint2x32(words.at[0]);
-    return Hit(ids.x, ids.y, uintBitsToFloat(unpackUint2x32(words.at[1])));
+    WordArray record = record_at(surfaces, pixel, PRIMARY_HIT_BYTES);
+    uvec2 ids = uints_of(record, 0u);
+    return Hit(ids.x, ids.y, floats_of(record, 1u));
 }
 
 /// A material's texture at the surface's coordinates.

@@ -43,6 +43,8 @@ RESTIRPG_CONST MATERIAL_DOUBLE_SIDED = 1u;  ///< emits on both sides; scattering
 RESTIRPG_CONST MATERIAL_ALPHA_MASK = 2u;    ///< surface is absent where alpha < alphaCutoff
 RESTIRPG_CONST MATERIAL_SOLID = 4u;         ///< KHR_materials_volume with thickness > 0: refracts and absorbs
 RESTIRPG_CONST MATERIAL_EMISSIVE = 8u;      ///< emission can be non-zero
+RESTIRPG_CONST MATERIAL_TEXTURED = 16u;     ///< some map but the emissive one is there
+RESTIRPG_CONST MATERIAL_EMISSION_TEXTURED = 32u;  ///< the emissive one is
 
 /// Layout of energyTable (framework/scene/energy_table.h): rows of roughness, columns of cosine and a mean a row, two sides.
 RESTIRPG_CONST ENERGY_ROWS = 32u;
@@ -50,22 +52,24 @@ RESTIRPG_CONST ENERGY_COLUMNS = 32u;
 RESTIRPG_CONST ENERGY_TABLE = 2u * ENERGY_ROWS * (ENERGY_COLUMNS + 1u);
 
 /// glTF metallic-roughness with KHR_materials_{emissive_strength, transmission, ior, specular, volume}. Linear sRGB.
+/// What every hit needs comes first, 64 bytes of it (load_material of scene.glsl).
 struct Material {
     vec3 baseColor;
     float metallic;
-    vec3 emission;  ///< radiance, W/sr/m^2: emissiveFactor * emissiveStrength
-    float roughness;  ///< linear roughness; GGX alpha = roughness^2
     vec3 specularColor;
-    float specular;
+    float roughness;  ///< linear roughness; GGX alpha = roughness^2
     vec3 absorption;  ///< sigma_a inside a solid, 1/m: -log(attenuationColor) / attenuationDistance
     float transmission;
+    float specular;
     float ior;
     float coatAverage;  ///< cosine-weighted mean over the hemisphere of (F(cos) - F0) / (1 - F0) for this ior
+    uint flags;  ///< MATERIAL_*
+    vec3 emission;  ///< radiance, W/sr/m^2: emissiveFactor * emissiveStrength
     float alpha;  ///< baseColorFactor.a; the vertex colour's and the texture's multiply it
     float alphaCutoff;
     float normalScale;
-    uint flags;  ///< MATERIAL_*
     uint energyTable;  ///< index of this ior's table in SceneTable::energyTables
+    uint unused;
     TextureRef baseColorMap;  ///< sRGB, alpha in a
     TextureRef metallicRoughnessMap;  ///< roughness in g, metallic in b
     TextureRef normalMap;
@@ -75,31 +79,35 @@ struct Material {
     TextureRef specularColorMap;  ///< sRGB
 };
 
-/// What a vertex carries besides its position.
-struct VertexAttributes {
+/// 32 bytes.
+struct MeshVertex {
+    vec3 position;  ///< object space
     vec3 normal;
-    vec4 tangent;  ///< w: sign of the bitangent; all zero: no tangent
     vec2 uv0;
+};
+
+/// What most surfaces do without; 40 bytes.
+struct VertexExtras {
+    vec4 tangent;  ///< w: sign of the bitangent; all zero: no tangent
     vec2 uv1;
     vec4 color;  ///< linear COLOR_0, its alpha in a; 1 when absent
 };
 
-/// One glTF mesh, all of its primitives: a range of the global index and vertex arrays.
-struct Mesh {
-    uint firstTriangle;  ///< into the triangle arrays (indices, materials)
-    uint triangleCount;
-    uint firstVertex;  ///< added to each index
+/// 16 bytes.
+struct MeshTriangle {
+    uvec3 vertices;  ///< into the scene's
+    uint material;  ///< its index, and TRIANGLE_EXTRAS
 };
+RESTIRPG_CONST TRIANGLE_EXTRAS = 1u << 31;  ///< the surface depends on VertexExtras
+RESTIRPG_CONST TRIANGLE_MATERIAL = TRIANGLE_EXTRAS - 1u;
 
-/// A mesh placed in the world.
+/// A mesh placed in the world. 64 bytes.
 struct Instance {
     mat4x3 objectToWorld;  ///< columns; this frame
-    mat4x3 worldToObject;
-    mat4x3 previousObjectToWorld;  ///< the frame before
-    uint mesh;
+    uint firstTriangle;  ///< of its mesh, among the scene's
+    uint triangleCount;
     uint lightMap;  ///< base of this instance's triangles in lightOfTriangle; INVALID_INDEX: emits nothing
     uint flipped;  ///< 1: objectToWorld mirrors, so the front face's winding is reversed
-    uint node;  ///< glTF node, for tools
 };
 
 RESTIRPG_CONST LIGHT_TRIANGLE = 0u;
@@ -141,16 +149,65 @@ struct Camera {
     vec3 forward;
 };
 
+/// What the boxes of a hierarchy are counted in: position p has the coordinates (p - origin) * scale, from 0 to 65535.
+struct BvhGrid {
+    vec3 origin;
+    vec3 scale;  ///< cells a metre
+    float width;  ///< of its longest axis, m
+    float unused;
+};
+
+/// A two-child BVH node. A box has a word an axis, its lower side in the low 16 bits, its upper side in the high ones, rounded outwards.
+/// A child >= 0 is the index of an inner node; a child < 0 is a leaf of count primitives from first on:
+/// child = ~(first << BVH_LEAF_BITS | count - 1). 32 bytes.
+struct BvhNode {
+    uvec3 box0;
+    uvec3 box1;
+    int child0;
+    int child1;
+};
+RESTIRPG_CONST BVH_LEAF_BITS = 3u;
+/// Entries of the traversal stack: the deepest two-level path, one entry a level and one for the way out of an instance.
+RESTIRPG_CONST BVH_STACK = 64u;
+
+/// A triangle as traversal reads it (Moeller-Trumbore). 48 bytes.
+struct BvhTriangle {
+    vec3 vertex;
+    vec3 edge1;
+    vec3 edge2;
+    uint instance;  ///< in the static batch: the instance it belongs to; in a mesh's own hierarchy: not used
+    uint triangle;  ///< index within the mesh
+    uint unused;
+};
+
+/// What a leaf of the software back end's top level refers to: the static batch (triangles of everything that stands still, in
+/// world space) or an instance of a mesh with a hierarchy of its own.
+struct BvhObject {
+    Address nodes;  ///< BvhNode[]
+    Address triangles;  ///< BvhTriangle[]
+    mat4x3 worldToObject;
+    BvhGrid grid;
+    uint instance;  ///< INVALID_INDEX: the static batch
+    uint masked;  ///< 1: some triangle has an alpha mask
+};
+
+RESTIRPG_CONST INSTANCE_BYTES = 64u, POSE_BYTES = 48u, TRIANGLE_BYTES = 16u, VERTEX_BYTES = 32u, MATERIAL_BYTES = 320u,
+               BVH_NODE_BYTES = 32u, BVH_TRIANGLE_BYTES = 48u;
+#ifdef __cplusplus
+static_assert(sizeof(Instance) == INSTANCE_BYTES && sizeof(mat4x3) == POSE_BYTES && sizeof(MeshTriangle) == TRIANGLE_BYTES &&
+              sizeof(MeshVertex) == VERTEX_BYTES && sizeof(Material) == MATERIAL_BYTES && sizeof(BvhNode) == BVH_NODE_BYTES &&
+              sizeof(BvhTriangle) == BVH_TRIANGLE_BYTES);
+#endif
+
 /// Everything a kernel reads of the scene; one buffer, by address in FrameConstants.
 struct SceneTable {
-    Address positions;  ///< vec3 per vertex
-    Address attributes;  ///< VertexAttributes per vertex
-    Address indices;  ///< uvec3 per triangle
-    Address materialOfTriangle;  ///< uint per triangle
+    Address vertices;  ///< MeshVertex
+    Address vertexExtras;  ///< VertexExtras per vertex
+    Address triangles;  ///< MeshTriangle
     Address materials;  ///< Material
-    Address meshes;  ///< Mesh
     Address textures;  ///< TextureImage
     Address instances;  ///< Instance
+    Address previousPoses;  ///< mat4x3 per instance: objectToWorld of the frame before
     Address lights;  ///< Light
     Address lightOfTriangle;  ///< uint, see Instance::lightMap
     Address emissionCells;  ///< ImportanceCell, see Light::cells
@@ -158,6 +215,7 @@ struct SceneTable {
     Address energyTables;  ///< vec4, ENERGY_TABLE a table; 0: no energy compensation
     Address tlasNodes;  ///< software back end: BvhNode[]
     Address bvhObjects;  ///< software back end: BvhObject[], in the order of the TLAS's leaves
+    BvhGrid tlasGrid;
     uint instanceCount;
     uint lightCount;  ///< lights to select from; 0 also where none has power
     uint environmentLight;  ///< index of the environment in lights; INVALID_INDEX: none
@@ -167,39 +225,6 @@ struct SceneTable {
     float environmentRotation;  ///< radians about +y
     vec3 center;  ///< of the bounding sphere
     float radius;  ///< m
-};
-
-/// A two-child BVH node. A child >= 0 is the index of an inner node; a child < 0 is a leaf of count primitives from first on:
-/// child = ~(first << BVH_LEAF_BITS | count - 1). An unused child has a box that no ray reaches. 56 bytes.
-struct BvhNode {
-    vec3 lower0;
-    vec3 upper0;
-    vec3 lower1;
-    vec3 upper1;
-    int child0;
-    int child1;
-};
-RESTIRPG_CONST BVH_LEAF_BITS = 3u;
-/// Entries of the traversal stack: the deepest two-level path, one entry a level and one for the way out of an instance.
-RESTIRPG_CONST BVH_STACK = 64u;
-
-/// A triangle as traversal reads it (Moeller-Trumbore). 44 bytes.
-struct BvhTriangle {
-    vec3 vertex;
-    vec3 edge1;
-    vec3 edge2;
-    uint instance;  ///< in the static batch: the instance it belongs to; in a mesh's own hierarchy: not used
-    uint triangle;  ///< index within the mesh
-};
-
-/// What a leaf of the software back end's top level refers to: the static batch (triangles of everything that stands still, in
-/// world space) or an instance of a mesh with a hierarchy of its own.
-struct BvhObject {
-    Address nodes;  ///< BvhNode[]
-    Address triangles;  ///< BvhTriangle[]
-    mat4x3 worldToObject;
-    uint instance;  ///< INVALID_INDEX: the static batch
-    uint masked;  ///< 1: some triangle has an alpha mask
 };
 
 /// A primary or secondary hit: enough to rebuild the surface. 16 bytes.

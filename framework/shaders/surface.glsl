@@ -21,37 +21,47 @@ struct Surface {
     vec2 barycentrics;
 };
 
+void load_extras(uvec3 vertices, vec3 weight, Instance placed, mat4x3 to_world, inout Surface s)
+{
+    VertexExtrasArray extras = VertexExtrasArray(SCENE.vertexExtras);
+    VertexExtras a = extras.at[vertices.x];
+    VertexExtras b = extras.at[vertices.y];
+    VertexExtras c = extras.at[vertices.z];
+    vec4 tangent = weight.x * a.tangent + weight.y * b.tangent + weight.z * c.tangent;
+    // A mirroring matrix turns the cross product of normal and tangent round: det(M) (M^-T n) x (M t) = M (n x t) for orthogonal M.
+    s.tangent = vec4(mat3(to_world) * tangent.xyz, placed.flipped != 0u ? -tangent.w : tangent.w);
+    s.uv1 = weight.x * a.uv1 + weight.y * b.uv1 + weight.z * c.uv1;
+    s.color = weight.x * a.color.rgb + weight.y * b.color.rgb + weight.z * c.color.rgb;
+}
+
 /// The hit point as it stands in this frame, or, with `previous`, as it stood in the frame before.
 Surface load_surface(Hit hit, bool previous)
 {
-    Instance placed = InstanceArray(SCENE.instances).at[hit.instance];
-    Mesh mesh = MeshArray(SCENE.meshes).at[placed.mesh];
-    mat4x3 to_world = previous ? placed.previousObjectToWorld : placed.objectToWorld;
-    uvec3 index = vertices_of(mesh, hit.triangle);
-    AttributesArray attributes = AttributesArray(SCENE.attributes);
-    WorldTriangle triangle = place_triangle(placed, index, to_world);
-    VertexAttributes a = attributes.at[index.x];
-    VertexAttributes b = attributes.at[index.y];
-    VertexAttributes c = attributes.at[index.z];
+    Instance placed = load_instance(hit.instance);
+    mat4x3 to_world = placed.objectToWorld;
+    if (previous)
+        to_world = load_previous_pose(hit.instance);
+    MeshTriangle record = load_triangle(placed, hit.triangle);
+    Corners corners = load_corners(record.vertices);
+    WorldTriangle triangle = place_triangle(placed, corners, to_world);
     vec3 weight = vec3(1.0 - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics);
 
     Surface s;
     s.position = point_on(triangle, hit.barycentrics);
     s.geometric_normal = normalize(triangle.cross_product);
     s.clearance = find_clearance(triangle, placed, s.position, s.geometric_normal);
-    // Normals transform by the inverse transpose. The current inverse serves both poses but for their rotation, which the previous
-    // pose, used for motion only, does not need.
-    vec3 normal = weight.x * a.normal + weight.y * b.normal + weight.z * c.normal;
-    s.shading_normal = normalize(normal * mat3(placed.worldToObject));
+    vec3 normal = mat3(corners.a.normal, corners.b.normal, corners.c.normal) * weight;
+    // Their sign is the determinant's where the matrix mirrors.
+    s.shading_normal = normalize(cofactors(of_unit_size(mat3(to_world))) * (placed.flipped != 0u ? -normal : normal));
     if (dot(s.shading_normal, s.geometric_normal) <= 0.0 || isnan(s.shading_normal.x))
         s.shading_normal = s.geometric_normal;
-    vec4 tangent = weight.x * a.tangent + weight.y * b.tangent + weight.z * c.tangent;
-    // A mirroring matrix turns the cross product of normal and tangent round: det(M) (M^-T n) x (M t) = M (n x t) for orthogonal M.
-    s.tangent = vec4(mat3(to_world) * tangent.xyz, placed.flipped != 0u ? -tangent.w : tangent.w);
-    s.uv0 = weight.x * a.uv0 + weight.y * b.uv0 + weight.z * c.uv0;
-    s.uv1 = weight.x * a.uv1 + weight.y * b.uv1 + weight.z * c.uv1;
-    s.color = weight.x * a.color.rgb + weight.y * b.color.rgb + weight.z * c.color.rgb;
-    s.material = UintArray(SCENE.materialOfTriangle).at[mesh.firstTriangle + hit.triangle];
+    s.uv0 = mat3x2(corners.a.uv0, corners.b.uv0, corners.c.uv0) * weight;
+    s.tangent = vec4(0.0);
+    s.uv1 = vec2(0.0);
+    s.color = vec3(1.0);
+    if ((record.material & TRIANGLE_EXTRAS) != 0u)
+        load_extras(record.vertices, weight, placed, to_world, s);
+    s.material = record.material & TRIANGLE_MATERIAL;
     s.instance = hit.instance;
     s.triangle = hit.triangle;
     s.barycentrics = hit.barycentrics;
@@ -72,8 +82,9 @@ struct ShadingPoint {
 };
 
 /// The normal of a normal-mapped surface, glTF's convention; on the front side.
-vec3 apply_normal_map(Surface s, Material material)
+vec3 apply_normal_map(Surface s)
 {
+    Material material = MaterialArray(SCENE.materials).at[s.material];
     vec3 n = s.shading_normal;
     vec3 tangent = s.tangent.xyz - n * dot(n, s.tangent.xyz);
     if (material.normalMap.index == INVALID_INDEX || dot(tangent, tangent) <= 0.0 || s.tangent.w == 0.0)
@@ -86,34 +97,41 @@ vec3 apply_normal_map(Surface s, Material material)
     return len > 0.0 ? mapped / len : n;
 }
 
-BsdfParameters evaluate_parameters(Surface s, Material material, bool front)
+void apply_textures(Surface s, inout BsdfParameters p)
 {
-    BsdfParameters p;
-    p.baseColor = material.baseColor * s.color;
+    Material material = MaterialArray(SCENE.materials).at[s.material];
     if (material.baseColorMap.index != INVALID_INDEX)
         p.baseColor *= fetch_texture(material.baseColorMap, s.uv0, s.uv1).rgb;
-    p.metallic = material.metallic;
-    p.roughness = material.roughness;
     if (material.metallicRoughnessMap.index != INVALID_INDEX) {
         vec4 texel = fetch_texture(material.metallicRoughnessMap, s.uv0, s.uv1);
         p.roughness *= texel.g;
         p.metallic *= texel.b;
     }
-    p.specular = material.specular;
     if (material.specularMap.index != INVALID_INDEX)
         p.specular *= fetch_texture(material.specularMap, s.uv0, s.uv1).a;
-    p.specularColor = material.specularColor;
     if (material.specularColorMap.index != INVALID_INDEX)
         p.specularColor *= fetch_texture(material.specularColorMap, s.uv0, s.uv1).rgb;
-    p.transmission = material.transmission;
     if (material.transmissionMap.index != INVALID_INDEX)
         p.transmission *= fetch_texture(material.transmissionMap, s.uv0, s.uv1).r;
+}
+
+BsdfParameters evaluate_parameters(Surface s, PlainMaterial material, bool front)
+{
+    BsdfParameters p;
+    p.baseColor = material.baseColor * s.color;
+    p.metallic = material.metallic;
+    p.roughness = material.roughness;
+    p.specular = material.specular;
+    p.specularColor = material.specularColor;
+    p.transmission = material.transmission;
+    if ((material.flags & MATERIAL_TEXTURED) != 0u)
+        apply_textures(s, p);
     p.ior = material.ior;
     p.coatAverage = material.coatAverage;
     p.solid = (material.flags & MATERIAL_SOLID) != 0u;
     p.entering = front;
 #if RESTIRPG_ENERGY_COMPENSATION
-    p.energyTable = SCENE.energyTables + material.energyTable * ENERGY_TABLE * 16u;
+    p.energyTable = SCENE.energyTables + MaterialArray(SCENE.materials).at[s.material].energyTable * ENERGY_TABLE * 16u;
 #endif
     return p;
 }
@@ -121,13 +139,15 @@ BsdfParameters evaluate_parameters(Surface s, Material material, bool front)
 /// Evaluate the material of a surface for the unit direction wo (world space, away from the surface).
 ShadingPoint shade_surface(Surface s, vec3 wo)
 {
-    Material material = MaterialArray(SCENE.materials).at[s.material];
+    PlainMaterial material = load_material(s.material);
     ShadingPoint p;
     p.position = s.position;
     p.clearance = s.clearance;
     p.front = dot(s.geometric_normal, wo) >= 0.0;
     p.normal = p.front ? s.geometric_normal : -s.geometric_normal;
-    vec3 n = apply_normal_map(s, material);
+    vec3 n = s.shading_normal;
+    if ((material.flags & MATERIAL_TEXTURED) != 0u)
+        n = apply_normal_map(s);
     n = p.front ? n : -n;
     // A shading normal that faces away from wo has no upper hemisphere to scatter into: fall back to the geometric one.
     if (dot(n, wo) <= 1e-4)

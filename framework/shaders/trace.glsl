@@ -17,19 +17,21 @@ const float RAY_INFINITY = 1e30;
 /// Is the surface there at all, at this point of it?
 bool passes_alpha_mask(uint instance, uint triangle, vec2 barycentrics)
 {
-    Mesh mesh = MeshArray(SCENE.meshes).at[InstanceArray(SCENE.instances).at[instance].mesh];
-    Material material = MaterialArray(SCENE.materials).at[UintArray(SCENE.materialOfTriangle).at[mesh.firstTriangle + triangle]];
-    if ((material.flags & MATERIAL_ALPHA_MASK) == 0u)
+    MeshTriangle record = load_triangle(load_instance(instance), triangle);
+    uint material_index = record.material & TRIANGLE_MATERIAL;
+    if ((load_material(material_index).flags & MATERIAL_ALPHA_MASK) == 0u)
         return true;
-    uvec3 index = Uvec3Array(SCENE.indices).at[mesh.firstTriangle + triangle] + mesh.firstVertex;
-    AttributesArray attributes = AttributesArray(SCENE.attributes);
-    vec3 corner = vec3(attributes.at[index.x].color.a, attributes.at[index.y].color.a, attributes.at[index.z].color.a);
+    Material material = MaterialArray(SCENE.materials).at[material_index];
+    uvec3 index = record.vertices;
+    VertexExtrasArray extras = VertexExtrasArray(SCENE.vertexExtras);
+    vec3 corner = vec3(extras.at[index.x].color.a, extras.at[index.y].color.a, extras.at[index.z].color.a);
     // Differences, so that equal corners give exactly their alpha: it may equal the cutoff.
     float alpha = material.alpha * (corner.x + dot(barycentrics, corner.yz - corner.x));
     if (material.baseColorMap.index != INVALID_INDEX) {
         vec3 weight = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
-        vec2 uv0 = mat3x2(attributes.at[index.x].uv0, attributes.at[index.y].uv0, attributes.at[index.z].uv0) * weight;
-        vec2 uv1 = mat3x2(attributes.at[index.x].uv1, attributes.at[index.y].uv1, attributes.at[index.z].uv1) * weight;
+        Corners corners = load_corners(index);
+        vec2 uv0 = mat3x2(corners.a.uv0, corners.b.uv0, corners.c.uv0) * weight;
+        vec2 uv1 = mat3x2(extras.at[index.x].uv1, extras.at[index.y].uv1, extras.at[index.z].uv1) * weight;
         alpha *= fetch_texture(material.baseColorMap, uv0, uv1).a;
     }
     return alpha >= material.alphaCutoff;

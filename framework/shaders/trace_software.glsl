@@ -3,13 +3,13 @@
 #ifndef RESTIRPG_TRACE_SOFTWARE_GLSL
 #define RESTIRPG_TRACE_SOFTWARE_GLSL
 
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer BvhNodeArray { BvhNode at[]; };
+#include "short_stack.glsl"
+
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer BvhTriangleArray { BvhTriangle at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer BvhObjectArray { BvhObject at[]; };
 
 /// On the stack: leave the object, go on in the world's hierarchy. No node index is as low, no leaf as high.
 const int LEAVE_OBJECT = int(0x80000000);
-const int STACK_EMPTY = int(0x80000001);
 
 /// 1 / d with zero components pushed away from zero, so that slab tests stay finite.
 vec3 safe_reciprocal(vec3 d)
@@ -18,12 +18,32 @@ vec3 safe_reciprocal(vec3 d)
     return 1.0 / mix(d, mix(vec3(-SMALLEST), vec3(SMALLEST), greaterThanEqual(d, vec3(0.0))), lessThan(abs(d), vec3(SMALLEST)));
 }
 
+/// A ray for boxes on a grid: it crosses the lower side of one, at coordinate x, at t = x * reciprocal - lower, and the upper side alike.
+struct GridRay {
+    vec3 reciprocal;
+    vec3 lower;
+    vec3 upper;
+};
+
+/// Every box is made larger by what rounding may move a point of the ray by: a part of its way from the grid's origin, along the longest
+/// axis since an object's rotation mixes them.
+GridRay on_grid(vec3 origin, vec3 direction, BvhGrid grid)
+{
+    const float ROUNDING = 8.0 * UNIT_ROUNDOFF;
+    vec3 from = origin - grid.origin;
+    float reach = max(abs(from.x), max(abs(from.y), abs(from.z)));
+    vec3 slack = ROUNDING * (reach + grid.width) * grid.scale;
+    vec3 reciprocal = safe_reciprocal(direction * grid.scale);
+    vec3 at = from * grid.scale;
+    return GridRay(reciprocal, (at + slack) * reciprocal, (at - slack) * reciprocal);
+}
+
 /// Where the ray enters the box, or RAY_INFINITY when it misses it or enters beyond t_max. The far side is widened by two units
 /// in the last place: Ize 2013, "Robust BVH Ray Traversal".
-float enter_box(vec3 lower, vec3 upper, vec3 origin, vec3 reciprocal, float t_max)
+float enter_box(uvec3 box, GridRay ray, float t_max)
 {
-    vec3 t0 = (lower - origin) * reciprocal;
-    vec3 t1 = (upper - origin) * reciprocal;
+    vec3 t0 = vec3(ivec3(box & 0xffffu)) * ray.reciprocal - ray.lower;
+    vec3 t1 = vec3(ivec3(box >> 16)) * ray.reciprocal - ray.upper;
     vec3 low = min(t0, t1);
     vec3 high = max(t0, t1);
     float enter = max(max(low.x, low.y), max(low.z, 0.0));
@@ -43,79 +63,138 @@ bool hit_triangle(BvhTriangle triangle, vec3 origin, vec3 direction, float t_max
     return determinant != 0.0 && uvt.x >= 0.0 && uvt.y >= 0.0 && uvt.x + uvt.y <= 1.0 && uvt.z > 0.0 && uvt.z < t_max;
 }
 
-/// The one traversal behind both interfaces. With `any` it ends at the first hit.
-bool traverse(vec3 world_origin, vec3 world_direction, inout float t, bool any, out Hit hit)
+BvhNode load_node(Address nodes, int index)
 {
-    hit = Hit(INVALID_INDEX, 0u, vec2(0.0));
-    int stack[BVH_STACK];
-    stack[0] = STACK_EMPTY;
-    int top = 1;
-    int node = 0;
-    bool in_world = true;
-    uint instance = INVALID_INDEX;
+    WordArray record = record_at(nodes, uint(index), BVH_NODE_BYTES);
+    uvec2 a = uints_of(record, 0u), b = uints_of(record, 1u), c = uints_of(record, 2u), children = uints_of(record, 3u);
+    return BvhNode(uvec3(a, b.x), uvec3(b.y, c), int(children.x), int(children.y));
+}
+
+/// Without the index within the mesh, which shares no word with the corners.
+BvhTriangle load_bvh_triangle(Address triangles, uint index)
+{
+    WordArray record = record_at(triangles, index, BVH_TRIANGLE_BYTES);
+    vec2 a = floats_of(record, 0u), b = floats_of(record, 1u), c = floats_of(record, 2u), d = floats_of(record, 3u);
+    uvec2 e = uints_of(record, 4u);
+    return BvhTriangle(vec3(a, b.x), vec3(b.y, c), vec3(d, uintBitsToFloat(e.x)), e.y, 0u, 0u);
+}
+
+/// A hierarchy and the ray in its space.
+struct Space {
+    Address nodes;
+    Address triangles;
+    uint instance;  ///< INVALID_INDEX: the static batch, whose triangles name their own
+    bool masked;
+    vec3 origin;
+    vec3 direction;
+    GridRay ray;
+};
+
+Space object_space(uint index, vec3 world_origin, vec3 world_direction)
+{
+    BvhObject object = BvhObjectArray(SCENE.bvhObjects).at[index];
+    // The last column is the object's place in the world: taken off first, objects far from the origin lose no precision.
+    vec3 origin = mat3(object.worldToObject) * (world_origin - object.worldToObject[3]);
+    vec3 direction = mat3(object.worldToObject) * world_direction;
+    return Space(object.nodes, object.triangles, object.instance, object.masked != 0u, origin, direction,
+                 on_grid(origin, direction, object.grid));
+}
+
+/// The static batch, which is in world space.
+Space batch_space(vec3 origin, vec3 direction)
+{
+    BvhObject object = BvhObjectArray(SCENE.bvhObjects).at[0];
+    return Space(object.nodes, object.triangles, INVALID_INDEX, object.masked != 0u, origin, direction,
+                 on_grid(origin, direction, object.grid));
+}
+
+Space world_space(vec3 origin, vec3 direction)
+{
+    return Space(SCENE.tlasNodes, 0ul, INVALID_INDEX, false, origin, direction, on_grid(origin, direction, SCENE.tlasGrid));
+}
+
+/// The nearest triangle so far. Its names are read but once, at the end.
+struct Found {
+    Address triangles;
+    uint index;  ///< INVALID_INDEX: none
+    uint instance;  ///< as in Space
+    vec2 barycentrics;
+};
+
+Hit name_hit(Found found)
+{
+    BvhTriangleArray triangles = BvhTriangleArray(found.triangles);
+    uint instance = found.instance == INVALID_INDEX ? triangles.at[found.index].instance : found.instance;
+    return Hit(instance, triangles.at[found.index].triangle, found.barycentrics);
+}
+
+void meet_leaf(int leaf, Space space, inout float t, inout Found found)
+{
+    uint first = uint(~leaf) >> BVH_LEAF_BITS;
+    uint last = first + (uint(~leaf) & ((1u << BVH_LEAF_BITS) - 1u));
+    for (uint i = first; i <= last; ++i) {
+        vec3 uvt;
+        BvhTriangle triangle = load_bvh_triangle(space.triangles, i);
+        bool hits = hit_triangle(triangle, space.origin, space.direction, t, uvt);
 #if RESTIRPG_ALPHA_MASK
-    bool masked = false;
+        if (hits && space.masked)
+            hits = passes_alpha_mask(space.instance == INVALID_INDEX ? triangle.instance : space.instance,
+                                     BvhTriangleArray(space.triangles).at[i].triangle, uvt.xy);
 #endif
+        if (hits) {
+            t = uvt.z;
+            found = Found(space.triangles, i, space.instance, uvt.xy);
+        }
+    }
+}
 
-    BvhNodeArray nodes = BvhNodeArray(SCENE.tlasNodes);
-    BvhTriangleArray triangles = BvhTriangleArray(0ul);
-    vec3 origin = world_origin;
-    vec3 direction = world_direction;
-    vec3 reciprocal = safe_reciprocal(direction);
-
+/// The one traversal behind both interfaces. With `any` it ends at the first hit and does not name it. Where nothing moves, all is in one
+/// hierarchy (RESTIRPG_ONE_LEVEL): its addresses and the ray are then the same all along, which takes 7% off a path tracer's frame.
+bool traverse(vec3 origin, vec3 direction, inout float t, bool any, out Hit hit)
+{
+    ShortStack stack = empty_stack();
+    int node = 0;
+    Found found = Found(0ul, INVALID_INDEX, INVALID_INDEX, vec2(0.0));
+#if RESTIRPG_ONE_LEVEL
+    Space space = batch_space(origin, direction);
+#else
+    Space space = world_space(origin, direction);
+    bool in_world = true;
+#endif
     while (node != STACK_EMPTY) {
         if (node >= 0) {
-            BvhNode inner = nodes.at[node];
-            float t0 = enter_box(inner.lower0, inner.upper0, origin, reciprocal, t);
-            float t1 = enter_box(inner.lower1, inner.upper1, origin, reciprocal, t);
+            BvhNode inner = load_node(space.nodes, node);
+            float t0 = enter_box(inner.box0, space.ray, t);
+            float t1 = enter_box(inner.box1, space.ray, t);
             bool swapped = t1 < t0;
             int near = swapped ? inner.child1 : inner.child0;
             int far = swapped ? inner.child0 : inner.child1;
-            if (max(t0, t1) < RAY_INFINITY)
-                stack[top++] = far;
-            node = min(t0, t1) < RAY_INFINITY ? near : stack[--top];
+            bool both = max(t0, t1) < RAY_INFINITY;
+            bool none = min(t0, t1) >= RAY_INFINITY;
+            node = none ? stack.a.x : near;
+            step_stack(stack, both, none, far);
+#if !RESTIRPG_ONE_LEVEL
         } else if (node == LEAVE_OBJECT) {
             in_world = true;
-            nodes = BvhNodeArray(SCENE.tlasNodes);
-            origin = world_origin;
-            direction = world_direction;
-            reciprocal = safe_reciprocal(direction);
-            node = stack[--top];
+            space = world_space(origin, direction);
+            node = stack.a.x;
+            step_stack(stack, false, true, 0);
         } else if (in_world) {
-            BvhObject object = BvhObjectArray(SCENE.bvhObjects).at[uint(~node) >> BVH_LEAF_BITS];
             in_world = false;
-            instance = object.instance;
-#if RESTIRPG_ALPHA_MASK
-            masked = object.masked != 0u;
-#endif
-            nodes = BvhNodeArray(object.nodes);
-            triangles = BvhTriangleArray(object.triangles);
-            // The last column is the object's place in the world: taken off first, objects far from the origin lose no precision.
-            origin = mat3(object.worldToObject) * (world_origin - object.worldToObject[3]);
-            direction = mat3(object.worldToObject) * world_direction;
-            reciprocal = safe_reciprocal(direction);
-            stack[top++] = LEAVE_OBJECT;
+            space = object_space(uint(~node) >> BVH_LEAF_BITS, origin, direction);
             node = 0;
-        } else {
-            uint first = uint(~node) >> BVH_LEAF_BITS;
-            uint last = first + (uint(~node) & ((1u << BVH_LEAF_BITS) - 1u));
-            for (uint i = first; i <= last; ++i) {
-                BvhTriangle triangle = triangles.at[i];
-                vec3 uvt;
-                bool found = hit_triangle(triangle, origin, direction, t, uvt);
-                uint owner = instance == INVALID_INDEX ? triangle.instance : instance;
-#if RESTIRPG_ALPHA_MASK
-                found = found && (!masked || passes_alpha_mask(owner, triangle.triangle, uvt.xy));
+            step_stack(stack, true, false, LEAVE_OBJECT);
 #endif
-                if (found) {
-                    t = uvt.z;
-                    hit = Hit(owner, triangle.triangle, uvt.xy);
-                }
-            }
-            node = any && hit.instance != INVALID_INDEX ? STACK_EMPTY : stack[--top];
+        } else {
+            meet_leaf(node, space, t, found);
+            node = any && found.index != INVALID_INDEX ? STACK_EMPTY : stack.a.x;
+            step_stack(stack, false, true, 0);
         }
     }
-    return hit.instance != INVALID_INDEX;
+    hit = Hit(INVALID_INDEX, 0u, vec2(0.0));
+    if (found.index != INVALID_INDEX && !any)
+        hit = name_hit(found);
+    return found.index != INVALID_INDEX;
 }
 
 bool trace_closest(vec3 origin, vec3 direction, float t_max, out Hit hit, out float t)

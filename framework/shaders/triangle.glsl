@@ -23,20 +23,13 @@ struct RayEnd {
     float clearance;  ///< rays start and end this far off the surface, along the normal, to either side
 };
 
-/// The vertices of a triangle, in the scene's arrays.
-uvec3 vertices_of(Mesh mesh, uint triangle)
+/// A triangle of a placed mesh in a pose of it: that of this frame, or of the one before.
+WorldTriangle place_triangle(Instance placed, Corners corners, mat4x3 pose)
 {
-    return Uvec3Array(SCENE.indices).at[mesh.firstTriangle + triangle] + mesh.firstVertex;
-}
-
-/// The triangle of a placed mesh in the given pose: that of this frame, or the previous one.
-WorldTriangle place_triangle(Instance placed, uvec3 index, mat4x3 pose)
-{
-    Vec3Array positions = Vec3Array(SCENE.positions);
-    vec3 p0 = positions.at[index.x];
+    vec3 p0 = corners.a.position;
     // Edges in object space first: a small triangle far from the origin keeps its shape.
-    vec3 edge1 = positions.at[index.y] - p0;
-    vec3 edge2 = positions.at[index.z] - p0;
+    vec3 edge1 = corners.b.position - p0;
+    vec3 edge2 = corners.c.position - p0;
     mat3 linear = mat3(pose);
     WorldTriangle t;
     // The translation last: it is often by far the largest term, and is rounded but once.
@@ -50,7 +43,30 @@ WorldTriangle place_triangle(Instance placed, uvec3 index, mat4x3 pose)
 
 WorldTriangle place_triangle(Instance placed, uint triangle, mat4x3 pose)
 {
-    return place_triangle(placed, vertices_of(MeshArray(SCENE.meshes).at[placed.mesh], triangle), pose);
+    return place_triangle(placed, load_corners(load_triangle(placed, triangle).vertices), pose);
+}
+
+/// The matrix over its largest entry, so that products of three entries stay finite at any scale of a scene.
+mat3 of_unit_size(mat3 m)
+{
+    vec3 largest = max(abs(m[0]), max(abs(m[1]), abs(m[2])));
+    return m * (1.0 / max(largest.x, max(largest.y, largest.z)));
+}
+
+/// The inverse transpose times the determinant: what normals transform by, but for length and sign.
+mat3 cofactors(mat3 m)
+{
+    return mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1]));
+}
+
+/// dot(abs(n * m), abs(inverse(m)) * v): how far along n a point moves that inverse(m) has taken to another space, where it moves as far as
+/// v reaches.
+float span_along(mat3 m, vec3 n, vec3 v)
+{
+    m = of_unit_size(m);
+    mat3 c = cofactors(m);
+    vec3 inverse_v = vec3(dot(abs(c[0]), v), dot(abs(c[1]), v), dot(abs(c[2]), v));
+    return dot(abs(n * m), inverse_v) / max(abs(dot(m[0], c[0])), 1e-30);
 }
 
 vec3 point_on(WorldTriangle t, vec2 barycentrics)
@@ -69,15 +85,13 @@ vec3 point_on(WorldTriangle t, vec2 barycentrics)
 float find_clearance(WorldTriangle t, Instance placed, vec3 x, vec3 n)
 {
     mat4x3 pose = placed.objectToWorld;
-    mat3 inverse_linear = mat3(placed.worldToObject);
-    inverse_linear = mat3(abs(inverse_linear[0]), abs(inverse_linear[1]), abs(inverse_linear[2]));
 #if RESTIRPG_RAY_QUERY
     // The driver moves the ray with an inverse of its own, whose translation is not small where the object is far from the origin.
-    vec3 in_object = 16.0 * (inverse_linear * (abs(x) + abs(pose[3])));
+    vec3 moved = 16.0 * (abs(x) + abs(pose[3]));
 #else
-    vec3 in_object = 5.0 * (inverse_linear * abs(x - pose[3]));
+    vec3 moved = 5.0 * abs(x - pose[3]);
 #endif
-    float placing = dot(abs(n), 4.0 * abs(x) + t.rounding) + dot(abs(n * mat3(pose)), in_object);
+    float placing = dot(abs(n), 4.0 * abs(x) + t.rounding) + span_along(mat3(pose), n, moved);
     float length1 = length(t.edge1);
     float length2 = length(t.edge2);
     float testing = 7.0 * max(length1, length2) * length1 * length2 / length(t.cross_product);

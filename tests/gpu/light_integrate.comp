@@ -24,7 +24,7 @@ vec2 triangles_at(vec3 d)
 {
     vec2 sum = vec2(0.0);
     for (uint i = 0u; i < SCENE.instanceCount; ++i) {
-        uint count = MeshArray(SCENE.meshes).at[InstanceArray(SCENE.instances).at[i].mesh].triangleCount;
+        uint count = load_instance(i).triangleCount;
         for (uint k = 0u; k < count; ++k) {
             WorldTriangle t = world_triangle(i, k);
             vec3 hit;
