@@ -60,7 +60,9 @@ uint64_t groupLeaves()
     return least;
 }
 
-uint64_t addressSpaceLeaves()
+}  // namespace
+
+uint64_t addressSpaceLeft()
 {
     rlimit limit{};
     if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
@@ -69,11 +71,9 @@ uint64_t addressSpaceLeaves()
     return limit.rlim_cur - std::min<uint64_t>(limit.rlim_cur, used);
 }
 
-}  // namespace
-
 uint64_t availableMemory()
 {
-    return std::min({machineLeaves(), groupLeaves(), addressSpaceLeaves()});
+    return std::min({machineLeaves(), groupLeaves(), addressSpaceLeft()});
 }
 
 uint64_t memoryBudget()

@@ -11,6 +11,9 @@ namespace restirpg {
 /// (/proc/meminfo's MemAvailable), of what its control group leaves and of what `ulimit -v` leaves.
 uint64_t availableMemory();
 
+/// Bytes of address space that `ulimit -v` leaves; the largest number where there is no limit.
+uint64_t addressSpaceLeft();
+
 /// Bytes that one thing read from a file (an image, a mesh) may take: half of what is available.
 uint64_t memoryBudget();
 
