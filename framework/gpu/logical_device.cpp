@@ -51,8 +51,7 @@ bool hasExtension(const char* name)
 }
 
 /// Mesa crashes where an allocation of its own fails, as it starts or compiles. On two cores a picture of 24x16 took 1.1 GiB of
-/// address space by path_tracer.py, 1.5 GiB
-/// by restir_pt.py.
+/// address space by path_tracer.py, 1.5 GiB by restir_pt.py.
 void refuseTightLimit()
 {
     constexpr uint64_t LEAST = uint64_t(2) << 30;
