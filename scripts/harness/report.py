@@ -191,6 +191,7 @@ def scene_views(findings):
         {
             "name": scene.scene,
             "findings": scene,
+            "verdict": tables.verdict_lines(scene),
             "reference": tables.reference_line(scene),
             "tables": [*tables.error_tables(scene), tables.quality_table(scene)],
             "graphs": _graphs(scene),

@@ -156,6 +156,27 @@ def error_tables(scene):
     return _single_frame_tables(scene) if scene.at else equal_tables(scene)
 
 
+def _compared_in_words(method, baseline, mode):
+    """`NAME errs 5.4% less (p = 0.01)`, or that no difference is known."""
+    p = method.adjusted.get(("mape", mode), float("nan"))
+    own, other = (error_of(each, "mape", mode)[0] for each in (method, baseline))
+    if not p < st.LEVEL or not other > 0:
+        return f"{method.label} is not told apart from it"
+    return f"{method.label} errs {100 * abs(1 - own / other):.2g}% {'less' if own < other else 'more'} (p = {max(p, 1e-99):.1g})"
+
+
+def verdict_lines(scene):
+    """What was found, in a sentence a way of comparing: MAPE against the first method, all others named."""
+    baseline, *others = scene.methods
+    if not others:
+        return []
+    ways = [(_test_of(scene, scene.at[-1]), f"In frame {scene.at[-1]}")] if scene.at else [
+        ("single", "In single frames"), ("time", f"At equal time ({scene.common_ms / 1e3:.3g} s of GPU time)")]
+    return [f"{words}, against {baseline.label} and by {scene.seeds} seeds: " +
+            "; ".join(_compared_in_words(method, baseline, mode) for method in others) + "."
+            for mode, words in ways]
+
+
 def quality_table(scene):
     """(title, header, rows) of bias and correlation."""
     header = [
@@ -204,6 +225,8 @@ def as_text(findings, width=None):
     console = Console(file=stream, width=width or 170)
     for scene in findings:
         console.print(f"\n{scene.scene}  ({scene.seeds} seeds)", style="bold", highlight=False)
+        for line in verdict_lines(scene):
+            console.print(line, highlight=False)
         console.print(reference_line(scene), highlight=False)
         for warning in scene.warnings:
             console.print(f"warning: {warning}", highlight=False)

@@ -26,7 +26,7 @@ class Viewer {
         this.data = JSON.parse(root.querySelector("script").textContent);
         this.pictures = this.data.pictures;
         this.decoded = new Map();
-        this.state = { mode: "split", a: 0, b: 1, view: "image", exposure: this.data.exposure, scale: 0, split: 0.5, shown: "a" };
+        this.state = { mode: "split", a: 0, b: Math.max(this.pictures.length - 2, 0), view: "image", exposure: this.data.exposure, scale: 0, split: 0.5, shown: "a" };
         root.style.setProperty("--aspect", this.data.width / this.data.height);
         this.resetView();
         this.buildControls();

@@ -4,6 +4,7 @@ mistakes."""
 import csv
 import importlib.util
 import json
+import re
 import subprocess
 import sys
 from types import SimpleNamespace
@@ -77,6 +78,16 @@ def test_a_bounce_cap_of_none_is_a_cap(tmp_path):
         caps |= {knobs["paths"]["bounces"]} if knobs else set()
     assert caps == {0}
     assert "bounce cap</th><td>0" in (tmp_path / "out/report.html").read_text().replace("\n", "")
+
+
+def test_the_verdict_comes_first_in_words(finished):
+    lines = finished[1].stdout.splitlines()
+    single = next(line for line in lines if line.startswith("In single frames, against plain and by 8 seeds: "))
+    less = float(re.search(r"quiet errs ([\d.]+)% less \(p = ", " ".join(lines))[1])
+    assert 45 < less < 55  # half the noise
+    timed = next(line for line in lines if line.startswith("At equal time (0.036 s of GPU time), against plain"))
+    assert lines.index(single) < lines.index(timed) < next(i for i, line in enumerate(lines) if line.startswith("reference: "))
+    assert "quiet is not told apart from it" in " ".join(lines[lines.index(timed):lines.index(timed) + 3])
 
 
 def test_equal_time_compares_at_the_time_of_the_fastest(finished):
