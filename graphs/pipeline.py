@@ -7,7 +7,7 @@ from restirpg import Graph, prev
 
 
 def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, cells="world", splat={},
-             fit={}, show="resampled"):
+             fit={}, reuse={}, show="resampled"):
     """The graph.
 
     temporal, rounds: reuse over frames, and rounds of reuse over pixels, for direct and indirect light alike.
@@ -16,6 +16,7 @@ def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, c
     it chose from; "raw", all bounces of the candidates' path trees, weighted by the light that came back.
     cells: where the guide is kept: "world", in the hash grid; "screen", a lobe a pixel, which learns from "raw" alone.
     splat, fit: knobs of the guide's passes; in screen space there is only a fit.
+    reuse: knobs of the resampling of paths.
     show: "resampled", or "candidates": the indirect light of the initial paths alone, guided if there is a guide.
     """
     if cells == "screen" and train != "raw":
@@ -36,14 +37,14 @@ def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, c
         return g.add(name, "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates,
                      history=prev(f"{name}.reservoirs"), bounces=bounces, **knobs, **before, **(vertices if learned else {}))
 
-    reuse = resample("reuse", train == "selected", temporal=temporal, rounds=rounds)
+    resampled = resample("reuse", train == "selected", temporal=temporal, rounds=rounds, **reuse)
     if train and cells == "world":
-        lessons = {"selected": lambda: {"vertices": reuse.vertices}, "candidates": lambda: {"vertices": paths.vertices},
+        lessons = {"selected": lambda: {"vertices": resampled.vertices}, "candidates": lambda: {"vertices": paths.vertices},
                    "temporal": lambda: {"vertices": resample("teacher", True, rounds=0).vertices},
                    "raw": lambda: {"samples": paths.samples}}[train]()
         statistics = g.add("splat", "GuidingSplat", guide=prev("fit.guide"), **lessons, **splat)
         g.add("fit", "GuidingFit", statistics=statistics.statistics, history=prev("fit.guide"), **fit)
-    image = g.add("accumulate", "Accumulate", direct=direct.radiance, indirect=reuse.radiance if show == "resampled" else paths.radiance,
+    image = g.add("accumulate", "Accumulate", direct=direct.radiance, indirect=resampled.radiance if show == "resampled" else paths.radiance,
                   emission=gbuffer.emission, history=prev("accumulate.sums"))
     g.output("image", image.mean)
     g.output("variance", image.variance)

@@ -2,6 +2,7 @@
 #ifndef RESTIRPG_NEIGHBOURS_GLSL
 #define RESTIRPG_NEIGHBOURS_GLSL
 
+#include "camera.glsl"
 #include "sampling.glsl"
 #include "surface.glsl"
 
@@ -39,6 +40,23 @@ PrimaryHit make_primary_hit(Hit hit, Surface s, vec3 camera)
 bool is_similar(Appearance a, Appearance b, float normal_threshold, float depth_threshold)
 {
     return dot(a.normal, b.normal) >= normal_threshold && abs(a.distance - b.distance) <= depth_threshold * a.distance;
+}
+
+/// Where the surface of a pixel is, of which the appearance is known.
+vec3 seen_position(uvec2 at, Appearance a)
+{
+    return frame.c.camera.position + a.distance * camera_direction(frame.c.camera, vec2(at) + 0.5, vec2(frame.c.size));
+}
+
+/// How well a pixel's samples serve another one, from 0 to 1: 1 where normals and places agree. It falls to 1/e where the places are as far apart
+/// as a tenth of the height of the view there, or where the normals are 28 degrees apart.
+float compatibility(Appearance a, vec3 position_a, Appearance b, vec3 position_b)
+{
+    const float REACH = 0.126;  // of the distance from the camera
+    float n = max(dot(a.normal, b.normal), 0.0);
+    n *= n;
+    n *= n;
+    return n * n * exp(-distance(position_a, position_b) / (REACH * a.distance));
 }
 
 /// Index of the pixel that showed this one's surface in the frame before; false: outside of the image. Of the four pixels around

@@ -48,6 +48,8 @@ public:
         io.knob("cap", cap_, 1, 1000, "confidence of the history, at most, times that of the pixel's own candidate (Lin et al. 2022: 20)");
         io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
         io.knob("neighbours", neighbours_, 1, MAX_REUSE_NEIGHBOURS, "pixels drawn in one round");
+        io.knob("pool", pool_, 1, MAX_REUSE_POOL,
+                "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one that is drawn, as published");
         io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines; never below 3 pixels of this one");
         io.knob("normal_threshold", normalThreshold_, -1, 1, "least cosine between the shading normals of merged pixels");
         io.knob("depth_threshold", depthThreshold_, 0, 1000, "most relative difference of their distances from the camera");
@@ -116,6 +118,7 @@ private:
         p.normalThreshold = normalThreshold_;
         p.depthThreshold = depthThreshold_;
         p.neighbours = neighbours_;
+        p.pool = pool_;
         return p;
     }
 
@@ -149,6 +152,7 @@ private:
     float cap_ = 20;
     uint32_t rounds_ = 1;
     uint32_t neighbours_ = 3;
+    uint32_t pool_ = 1;
     float radius_ = 20;
     float normalThreshold_ = 0.5f;
     float depthThreshold_ = 0.1f;

@@ -21,7 +21,9 @@ struct ReuseParameters {
     float normalThreshold;
     float depthThreshold;
     uint neighbours;
+    uint pool;  ///< pixels that a neighbour is chosen from; 1: each neighbour is drawn uniformly
     uint round;
+    uint unused;
 };
 
 struct ReuseVerticesParameters {
@@ -36,6 +38,7 @@ struct ReuseVerticesParameters {
 };
 
 RESTIRPG_CONST MAX_REUSE_NEIGHBOURS = 16u;
+RESTIRPG_CONST MAX_REUSE_POOL = 32u;
 
 // What the knob `fault` builds in, in the order of its choices.
 RESTIRPG_CONST REUSE_FAULT_NONE = 0u;

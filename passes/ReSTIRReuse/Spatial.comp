@@ -7,14 +7,44 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { ReuseParameters params; };
 
-/// Neighbour i of the pixel, if that place has one that looks like it. Called again where it is needed, for an array of neighbours,
-/// indexed at run time, is slow on CPU devices.
+/// A pixel of the disk about this one, if it looks like it.
+bool draw_neighbour(uvec2 at, Appearance centre, vec2 u, out uint pixel, out Appearance there)
+{
+    if (!find_neighbour_pixel(at, disk_radius(params.radius), u, pixel) || primary_hit(params.surface, pixel).instance == INVALID_INDEX)
+        return false;
+    there = load_appearance(params.surface, pixel);
+    return is_similar(centre, there, params.normalThreshold, params.depthThreshold);
+}
+
+/// One of a pool of pixels, in proportion to their compatibility with this one: by the G-buffer and random numbers alone.
+bool choose_compatible(uvec2 at, Appearance centre, uint i, out uint pixel)
+{
+    vec3 position = seen_position(at, centre);
+    float sum = 0.0;
+    for (uint k = 0u; k < params.pool; ++k) {
+        vec4 u = random4(reuse_key(at), pool_round(params.round), i * MAX_REUSE_POOL + k);
+        uint candidate;
+        Appearance there;
+        if (!draw_neighbour(at, centre, u.xy, candidate, there))
+            continue;
+        uvec2 place = uvec2(candidate % frame.c.size.x, candidate / frame.c.size.x);
+        float score = compatibility(centre, position, there, seen_position(place, there));
+        sum += score;
+        if (u.z * sum < score)
+            pixel = candidate;
+    }
+    return sum > 0.0;
+}
+
+/// Neighbour i of the pixel, if there is one. Called again where it is needed, for an array of neighbours, indexed at run time, is slow on
+/// CPU devices.
 bool find_neighbour(uvec2 at, Appearance centre, uint i, out uint pixel)
 {
-    vec2 u = random2(reuse_key(at), spatial_round(params.round), 2u * i);
-    return find_neighbour_pixel(at, disk_radius(params.radius), u, pixel) &&
-           primary_hit(params.surface, pixel).instance != INVALID_INDEX &&
-           is_similar(centre, load_appearance(params.surface, pixel), params.normalThreshold, params.depthThreshold);
+    pixel = 0u;
+    if (params.pool > 1u)
+        return choose_compatible(at, centre, i, pixel);
+    Appearance there;
+    return draw_neighbour(at, centre, random2(reuse_key(at), spatial_round(params.round), 2u * i), pixel, there);
 }
 
 /// Confidence of all neighbours; `count`: how many there are.
@@ -41,11 +71,14 @@ Choice merge_neighbours(uvec2 at, Hit hit, Appearance centre, Choice kept, float
     float own_weight = own.confidence / total;
     // Of each neighbour two shifts: the centre's path there, the neighbour's path here. One place calls the shift, for compilers copy
     // its code to each.
+    bool found = false;
+    uint pixel = 0u;
     [[dont_unroll]] for (uint i = 0u; i < 2u * params.neighbours; ++i) {
-        uint pixel;
-        if (!find_neighbour(at, centre, i / 2u, pixel))
-            continue;
         bool outwards = (i & 1u) == 0u;
+        if (outwards)
+            found = find_neighbour(at, centre, i / 2u, pixel);
+        if (!found)
+            continue;
         PathReservoir y = PathReservoirArray(params.source).at[pixel];
         float part = y.confidence / total;
         ShadingPoint domain = here;

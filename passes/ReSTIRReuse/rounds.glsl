@@ -16,4 +16,11 @@ uint spatial_round(uint round)
     return round * ((SPATIAL_NUMBERS + RANDOM_DIMENSIONS - 1u) / RANDOM_DIMENSIONS);
 }
 
+/// Where the numbers begin that choose from pools: MAX_REUSE_POOL addresses a neighbour.
+uint pool_round(uint round)
+{
+    const uint FIRST = 0x20000u;
+    return FIRST + round * (MAX_REUSE_NEIGHBOURS * MAX_REUSE_POOL / RANDOM_DIMENSIONS);
+}
+
 #endif

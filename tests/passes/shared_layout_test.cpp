@@ -106,7 +106,7 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(PathVertex, position, direction, surface),
     LAYOUT(GuidingSample, vertex, weight, distance),
     LAYOUT(ReuseParameters, frame, surface, previousSurface, motion, source, history, reservoirs, radiance,
-           originSource, origins, cap, radius, normalThreshold, depthThreshold, neighbours, round),
+           originSource, origins, cap, radius, normalThreshold, depthThreshold, neighbours, pool, round, unused),
     LAYOUT(ReuseVerticesParameters, frame, surface, source, origins, candidates, history, vertices, stride),
     LAYOUT(GuidingGrid, camera, scale, origin, smallest),
     LAYOUT(GuidingHeader, grid, capacity, options, cells, collisions, failed, samples, fitted, guiding),

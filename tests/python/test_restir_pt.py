@@ -80,8 +80,8 @@ def test_candidates_alone_have_the_path_tracers_mean(scene, reference):
     assert abs(z_of(means_after(scene, restir(temporal=False, rounds=0), 100, 200, 8), reference)) < 4
 
 
-@pytest.mark.parametrize("knobs", [{"temporal": False, "rounds": 1}, {"temporal": True, "rounds": 0}, {}],
-                         ids=["spatial", "temporal", "both"])
+@pytest.mark.parametrize("knobs", [{"temporal": False, "rounds": 1}, {"temporal": True, "rounds": 0}, {}, {"pool": 8, "radius": 400.0}],
+                         ids=["spatial", "temporal", "both", "compatible neighbours"])
 def test_reuse_keeps_the_mean(scene, reference, knobs):
     """Frame 4 of each run is one sample, for frames of one run are correlated."""
     assert abs(z_of(means_after(scene, restir(False, **knobs), 4, 300, 24), reference)) < 4
