@@ -18,10 +18,12 @@ from shared_inputs import Fault, Refused, is_right, measure, rows, shared_folder
 RESULTS = ROOT / "benchmarks" / "results"
 HEAD = """# The inputs of ../shared/inputs
 
-One row a file and setting: the value that a correct renderer gives and where it comes from, what commit aa3076d gave ("before"), and what
-{commit} gives ("after"). 64 frames of path_tracer.py at 16x16, the mean of the red channel, unless the row says otherwise; `variance` is that
-of single frames over the variance of the file named by `to`. Each row is a test of tests/python/test_shared_inputs.py; written by
-`benchmarks/inputs_table.py`. {right} of {all} rows are known to be right.
+One row a file and setting: the value that a correct renderer gives and where it comes from, what
+commit aa3076d gave ("before"), and what {commit} gives ("after"). 64 frames of path_tracer.py at
+16x16, the mean of the red channel, unless the row says otherwise; `variance` is that of single
+frames over the variance of the file named by `to`. Each row is a test of
+tests/python/test_shared_inputs.py; written by `benchmarks/inputs_table.py`. {right} of {all} rows
+are known to be right.
 
 | input | quantity | exact | where it comes from | before | after | |
 | --- | --- | --- | --- | --- | --- | --- |
