@@ -45,7 +45,7 @@ def exact(row):
 def text(value):
     """A measured value for the table."""
     if isinstance(value, Refused):
-        return f"refused: {value[:100]}"
+        return f"refused: {value.replace(f'{shared_folder()}/inputs/', '')[:100]}"
     return str(value) if isinstance(value, Fault) else f"{value:.4g}"
 
 
