@@ -47,8 +47,7 @@ glm::vec3 originOf(const Bounds& bounds)
     return glm::length(center) > FAR * radius ? center : glm::vec3(0);
 }
 
-/// 40 degrees, from the upper right, the bounding sphere
-/// almost filling it.
+/// A camera of 40 degrees that looks from the upper right; the bounding sphere almost fills the picture.
 void addDefaultCamera(Scene& scene, const Bounds& bounds)
 {
     constexpr float YFOV = 0.6981317f;  // 40 degrees

@@ -48,8 +48,8 @@ vec3 seen_position(uvec2 at, Appearance a)
     return frame.c.camera.position + a.distance * camera_direction(frame.c.camera, vec2(at) + 0.5, vec2(frame.c.size));
 }
 
-/// How well a pixel's samples serve another one, from 0 to 1 [shaders/README: Compatible neighbours]. It falls to 1/e where the places are as far apart
-/// as a tenth of the height of the view there, or where the normals are 28 degrees apart.
+/// How well a pixel's samples serve another one, from 0 to 1 [shaders/README: Compatible neighbours]. It falls to 1/e where the places
+/// are an eighth of the distance from the camera apart, or where the normals are 28 degrees apart.
 float compatibility(Appearance a, vec3 position_a, Appearance b, vec3 position_b)
 {
     const float REACH = 0.126;  // of the distance from the camera
