@@ -1,5 +1,5 @@
-"""What comments cite is there: `[shaders/README: HEADING]` names a heading of framework/shaders/README.md, and files that
-the two pages of theory name exist."""
+"""What pages and comments cite is there: links between pages, `[shaders/README: HEADING]`, a heading of
+framework/shaders/README.md, and files that the two pages of theory name."""
 
 import re
 import subprocess
@@ -47,3 +47,33 @@ def test_files_named_by_the_pages_exist():
             if not any(place.is_file() for place in places):
                 missing.append(f"{page.relative_to(ROOT)}: {name}")
     assert not missing
+
+
+def anchors(page):
+    """The names by which a page's headings are linked to, as code hosts make them."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    names = [re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in re.findall(r"^#+ (.+)$", text, re.MULTILINE)]
+    return set(names)
+
+
+def broken_links(page, text):
+    """Links of the page that lead to no file or no heading."""
+    broken = []
+    for target in re.findall(r"\]\(([^)\s]+)\)", text):
+        name, _, heading = target.partition("#")
+        file = (page.parent / name).resolve() if name else page
+        if "://" not in target and (not file.exists() or heading and heading not in anchors(file)):
+            broken.append(target)
+    return broken
+
+
+def test_links_between_pages_lead_somewhere():
+    pages = [file for file in tracked_sources() if file.suffix == ".md"]
+    found = [f"{page.relative_to(ROOT)}: {link}" for page in pages for link in broken_links(page, page.read_text())]
+    assert not found
+
+
+def test_a_broken_link_would_be_found():
+    page = ROOT / "README.md"
+    assert broken_links(page, "[a](no/such.md) [b](#what-it-finds) [c](tests/README.md#no-such-heading)") == [
+        "no/such.md", "tests/README.md#no-such-heading"]
