@@ -20,12 +20,11 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 GRAPHS = ROOT / "graphs"
-sys.path.insert(0, str(ROOT / "scripts"))
 
-from harness import UserError, program, render  # noqa: E402
-from harness.guiding import passes_of  # noqa: E402
-from harness.jobs import parse_method  # noqa: E402
-from harness.statistics import ratio  # noqa: E402
+from restirpg.harness import UserError, program, render
+from restirpg.harness.guiding import passes_of
+from restirpg.harness.jobs import parse_method
+from restirpg.harness.statistics import ratio
 
 COLUMNS = ("frame", "mean", "candidates")
 ALONE = "candidates without reuse"  # a pass

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Measure every file of ../shared/inputs and write benchmarks/results/inputs.md and inputs.csv.
 
+    PYTHONPATH=build/python:tests/python benchmarks/inputs_table.py
+
 Rows, exact values and what commit aa3076d gave are those of tests/python/shared_inputs.csv, which
 tests/python/test_shared_inputs.py tests. Exit code 1 when a row is wrong.
 """
@@ -10,10 +12,10 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "tests" / "python"), str(ROOT / "scripts")]
 
-from harness.report import commit  # noqa: E402
-from shared_inputs import Fault, Refused, is_right, measure, rows, shared_folder  # noqa: E402
+from shared_inputs import Fault, Refused, is_right, measure, rows, shared_folder
+
+from restirpg.harness.report import commit
 
 RESULTS = ROOT / "benchmarks" / "results"
 HEAD = """# The inputs of ../shared/inputs

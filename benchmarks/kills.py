@@ -25,9 +25,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "scripts"))
 
-from harness import UserError, files, program, render, scenes  # noqa: E402
+from restirpg.harness import UserError, files, program, render, scenes
 
 SMALL = ["--size", "16x9", "--frames", "2", "--seeds", "2", "--reference-frames", "8", "--reference-batches", "2"]
 

@@ -18,9 +18,8 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
 
-from harness import cell_counts, files, program, render, scenes  # noqa: E402
+from restirpg.harness import cell_counts, files, program, render, scenes
 
 SCENES = ["door_ajar", "door_ajar_diffuse", "bidirectional_room", "living_room", "temple"]
 GRAPH = str(ROOT / "graphs" / "restir_pg.py")

@@ -23,10 +23,9 @@ from gltf_edits import environment_for_mitsuba, environment_of, make_diffuse, re
 from scipy import stats
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
 
-from harness.render import find_package  # noqa: E402
-from harness.statistics import LEVEL, Test, welch  # noqa: E402
+from restirpg.harness.render import find_package
+from restirpg.harness.statistics import LEVEL, Test, welch
 
 LARGEST_RATIO_ERROR = 0.003  # of the image means (issue 2)
 HEADER = ("| scene | cap | runs x samples, ours | Mitsuba | image mean, ours / Mitsuba | blocks x channels "

@@ -13,7 +13,6 @@ sample implementation, from which the renderer deviates (head of bsdf_model.glsl
 
 import argparse
 import csv
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -21,9 +20,7 @@ from pathlib import Path
 import numpy as np
 from compare_with_mitsuba import ROOT, prepare, render_mitsuba, render_ours
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from harness.render import find_package  # noqa: E402
+from restirpg.harness.render import find_package
 
 COLUMNS = ("scene", "renderer", "seed", "width", "height", "bounces", "samples", "r", "g", "b", "seconds")
 HEADER = ("| scene | cap | runs and paths, ours | Mitsuba | image mean, ours | Mitsuba | ours / Mitsuba "

@@ -14,10 +14,8 @@ from pathlib import Path
 import numpy as np
 from gltf_edits import read_glb, write_glb
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-
-from scenes import shapes  # noqa: E402
-from scenes.gltf import SceneFile, Texture, emitter, lambert, look_at  # noqa: E402
+from restirpg.scenes import shapes
+from restirpg.scenes.gltf import SceneFile, Texture, emitter, lambert, look_at
 
 
 def room():

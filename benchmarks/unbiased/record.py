@@ -19,15 +19,14 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
 
-from report import as_json, as_markdown, findings_of  # noqa: E402
-from runs import Case, MethodRuns, ReferenceBatches  # noqa: E402
+from report import as_json, as_markdown, findings_of
+from runs import Case, MethodRuns, ReferenceBatches
 
-from harness import files, program, render, scenes  # noqa: E402
-from harness.jobs import parse_method  # noqa: E402
-from harness.motion import Motion  # noqa: E402
-from harness.unbiased import compare  # noqa: E402
+from restirpg.harness import files, program, render, scenes
+from restirpg.harness.jobs import parse_method
+from restirpg.harness.motion import Motion
+from restirpg.harness.unbiased import compare
 
 
 def size(text):

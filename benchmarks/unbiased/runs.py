@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from samples import Samples
 
-from harness import render, scenes
-from harness.jobs import Job, Method, digest
-from harness.motion import Motion
-from harness.render import ROOT
-from harness.statistics import luminance
-from harness.unbiased import Reference, run_seed
+from restirpg.harness import render, scenes
+from restirpg.harness.jobs import Job, Method, digest
+from restirpg.harness.motion import Motion
+from restirpg.harness.render import ROOT
+from restirpg.harness.statistics import luminance
+from restirpg.harness.unbiased import Reference, run_seed
 
 REFERENCE = Method("reference", str(ROOT / "graphs" / "path_tracer.py"), (("gbuffer.jitter", False),))
 

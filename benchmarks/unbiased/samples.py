@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from harness import UserError
-from harness.jobs import digest
-from harness.render import ROOT
+from restirpg.harness import UserError
+from restirpg.harness.jobs import digest
+from restirpg.harness.render import ROOT
 
 
 def commit():

@@ -18,7 +18,7 @@ endif()
 
 install(DIRECTORY core gpu graph image render scene shaders DESTINATION include/restirpg FILES_MATCHING PATTERN "*.h")
 install(DIRECTORY shaders DESTINATION share/restirpg)
-install(DIRECTORY python/restirpg DESTINATION share/restirpg/python FILES_MATCHING PATTERN "*.py")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/scripts/restirpg DESTINATION share/restirpg/python PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/graphs DESTINATION share/restirpg FILES_MATCHING PATTERN "*.py")
 install(FILES image/default.ocio DESTINATION share/restirpg)
 

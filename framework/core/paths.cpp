@@ -52,9 +52,8 @@ fs::path shaderFolder()
 
 fs::path pythonFolder()
 {
-    if (const auto share = shareFolder(); !share.empty())
-        return share / "python";
-    return sourceFolder() / "python";
+    const fs::path installed = libraryFolder() / "../share/restirpg/python";
+    return fs::weakly_canonical(fs::exists(installed) ? installed : libraryFolder() / "../python");
 }
 
 fs::path displayConfig()

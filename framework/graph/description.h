@@ -54,7 +54,7 @@ struct DescribedOutput {
     Location location;
 };
 
-/// The schema stands in python/restirpg/graph.py.
+/// The schema stands in scripts/restirpg/graph.py.
 struct Description {
     std::string name;
     Location location;  ///< of the file as a whole

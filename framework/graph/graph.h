@@ -12,7 +12,7 @@
 namespace restirpg {
 
 /// A graph file (.py, evaluated by pythonInterpreter(), or .json) as JSON, checked for shape only: the schema stands in
-/// python/restirpg/graph.py. Throws Error, located in the file. What a Python file prints goes to the log.
+/// scripts/restirpg/graph.py. Throws Error, located in the file. What a Python file prints goes to the log.
 nlohmann::json readGraphFile(const std::filesystem::path& file);
 
 /// An edge into an input port.

@@ -1,20 +1,17 @@
 """What the tests of ReSTIR DI share: scenes of lights, their graph, and the path tracer's direct light.
 
-The statistics, null hypothesis and false-alarm rate are those of scripts/harness/unbiased.py: block means of
+The statistics, null hypothesis and false-alarm rate are those of scripts/restirpg/harness/unbiased.py: block means of
 4 x 4 pixels over independent runs are tested together, at 1%. Block means of 16 pixels and 64 runs are close
 to normal.
 """
 
-import sys
 
 import numpy as np
-from renderer_scenes import ROOT, make_renderer, restirpg
+from renderer_scenes import make_renderer, restirpg
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from harness.unbiased import Reference  # noqa: E402
-from scenes import shapes  # noqa: E402
-from scenes.gltf import Material, SceneFile, Texture, emitter, glass, lambert  # noqa: E402
+from restirpg.harness.unbiased import Reference
+from restirpg.scenes import shapes
+from restirpg.scenes.gltf import Material, SceneFile, Texture, emitter, glass, lambert
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 

@@ -1,14 +1,11 @@
 """Scenes whose picture is known without rendering them, and z-tests of pictures against a number or each other."""
 
-import sys
 
 import numpy as np
-from renderer_scenes import GRAPH, ROOT, restirpg
+from renderer_scenes import GRAPH, restirpg
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from scenes import shapes  # noqa: E402
-from scenes.gltf import Material, SceneFile, emitter, lambert, metal  # noqa: E402
+from restirpg.scenes import shapes
+from restirpg.scenes.gltf import Material, SceneFile, emitter, lambert, metal
 
 
 def closed_box(folder, albedo):

@@ -1,19 +1,15 @@
 """The guiding grid in NumPy and double precision: keys, E-step and M-step, written from the equations of
-framework/shaders/README.md on what harness.guiding reads, without a line of the kernels.
+framework/shaders/README.md on what restirpg.harness.guiding reads, without a line of the kernels.
 
 Tables are dictionaries from key to record; how the GPU's hash table places them is checked by
 `slots_are_reachable`.
 """
 
-import sys
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
-
-from harness.guiding import (  # noqa: E402, F401
+from restirpg.harness.guiding import (  # noqa: F401
     CELL,
     FINAL,
     HEADER,

@@ -11,8 +11,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = ROOT / "scripts" / "compare.py"
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(__file__).parent / "fake_renderer")}
-sys.path.insert(0, str(ROOT / "scripts"))
+#: The package, with the fake renderer for a binding module.
+ENVIRONMENT = {**os.environ, "PYTHONPATH": f"{Path(__file__).parent / 'fake_renderer'}:{ROOT / 'scripts'}"}
 
 
 def write_graph(folder, name="plain", **knobs):

@@ -4,8 +4,8 @@ import numpy as np
 from direct_light import LitScene
 from renderer_scenes import restirpg
 
-from scenes import shapes
-from scenes.gltf import Material, emitter, glass, lambert, metal
+from restirpg.scenes import shapes
+from restirpg.scenes.gltf import Material, emitter, glass, lambert, metal
 
 COSINE, SINE = np.cos(np.radians(35)), np.sin(np.radians(35))
 OUTPUTS = ("stay", "neighbour", "previous", "neighbour_jacobian", "previous_jacobian", "spatial_sums",

@@ -1,9 +1,7 @@
 """Scenes and graphs of the renderer's tests, and the binding module from wherever the build tree is."""
 
 import base64
-import importlib.util
 import json
-import os
 import struct
 import subprocess
 import sys
@@ -11,21 +9,19 @@ from pathlib import Path
 
 import pytest
 
+import restirpg
+from restirpg.harness.render import native_file
+
 ROOT = Path(__file__).parents[2]
-if importlib.util.find_spec("restirpg") is None:
-    sys.path.insert(0, str(Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build")) / "python"))
-
-import restirpg  # noqa: E402
-
 SIZE = (32, 32)
 GRAPH = ROOT / "graphs" / "path_tracer.py"
 
 
 @pytest.fixture(scope="module")
 def own_plugins():
-    """The folder of the tests' own plugins, beside the Python package of the build tree, on the plugin path."""
+    """The folder of the tests' own plugins, of the build tree that the binding module is from, on the plugin path."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("RESTIRPG_PLUGIN_PATH", str(Path(restirpg.__file__).parents[2] / "tests" / "passes"))
+        patch.setenv("RESTIRPG_PLUGIN_PATH", str(native_file().parents[2] / "tests" / "passes"))
         yield
 
 

@@ -23,9 +23,7 @@ from pathlib import Path
 import numpy as np
 from renderer_scenes import ROOT, restirpg
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from harness.cache import Cache  # noqa: E402
+from restirpg.harness.cache import Cache
 
 PROGRAM = Path(restirpg.__file__).parents[2] / "bin" / "restirpg"
 VARIANCE_RUNS = 24

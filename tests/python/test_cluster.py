@@ -9,8 +9,9 @@ import sys
 import time
 
 import pytest
-from harness_runs import ENVIRONMENT, ROOT, arguments, compare, tables
-from harness.jobs import seed_of
+from harness_runs import ENVIRONMENT, arguments, compare, tables
+
+from restirpg.harness.jobs import seed_of
 
 distributed = pytest.importorskip("distributed", reason="python3-distributed is not installed: no Dask worker has run a job")
 
@@ -21,9 +22,8 @@ JOBS = 2 * 4 + 4  # two methods, four seeds, four batches of the reference
 # The program, writing down each job that it is told has ended.
 COUNTED = """
 import sys
-sys.path.insert(0, sys.argv.pop(1))
-import compare
-from harness.cluster import Cluster
+from restirpg.harness import compare
+from restirpg.harness.cluster import Cluster
 run = Cluster.run
 def counted(self, jobs, kind="run", **options):
     for job, failure, answer in run(self, jobs, kind, **options):
@@ -73,7 +73,7 @@ def two_workers(scheduler, tmp_path):
 def test_a_worker_that_is_killed_loses_nothing_and_nothing_counts_twice(tmp_path, scheduler, two_workers):
     assert compare(tmp_path, *SLOW, out="local", **SLOW_OPTIONS).returncode == 0
     own = arguments(tmp_path, *SLOW, out="cluster", scheduler=scheduler, **SLOW_OPTIONS)[2:]
-    process = subprocess.Popen([sys.executable, "-c", COUNTED, str(ROOT / "scripts"), *own], cwd=tmp_path, env=ENVIRONMENT,
+    process = subprocess.Popen([sys.executable, "-c", COUNTED, *own], cwd=tmp_path, env=ENVIRONMENT,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     kept = tmp_path / "cluster/cache"
     processes, busy = two_workers.run(os.getpid), []

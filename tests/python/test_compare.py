@@ -6,15 +6,13 @@ import importlib.util
 import json
 import re
 import subprocess
-import sys
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from harness_runs import ENVIRONMENT, ROOT, arguments, compare, write_graph
 
-from harness import render, selftest, statistics
-from harness.jobs import Job, parse_method, seed_of
+from restirpg.harness import render, selftest, statistics
+from restirpg.harness.jobs import Job, parse_method, seed_of
 
 
 def write_exr(file, broken):
@@ -49,7 +47,7 @@ def finished(tmp_path_factory):
 def test_errors_are_those_of_the_known_noise(finished):
     # relMSE of n frames of variance s^2: s^2 / n times the mean of T^2 / (T^2 + 0.01). Five standard errors.
     spec = importlib.util.spec_from_file_location(
-        "fake", ROOT / "tests/python/fake_renderer/restirpg/__init__.py"
+        "fake", ROOT / "tests/python/fake_renderer/restirpg/_native.py"
     )
     fake = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(fake)
@@ -313,8 +311,8 @@ def test_the_code_s_hash_is_that_of_its_files_wherever_they_lie(tmp_path, monkey
 
     def version(clone):
         folder = tmp_path / clone
-        module = SimpleNamespace(__file__=str(folder / "restirpg/__init__.py"), code_paths=lambda: [folder / "shaders"])
-        monkeypatch.setitem(sys.modules, "restirpg", module)
+        monkeypatch.setattr(render, "native_file", lambda: folder / "restirpg/b.so")
+        monkeypatch.setattr(render.restirpg, "code_paths", lambda: [folder / "shaders"], raising=False)
         return render.code_version()
 
     for clone in ("1", "2"):

@@ -11,8 +11,8 @@ import pytest
 from harness_runs import ENVIRONMENT, ROOT, arguments, compare, write_graph
 from renderer_scenes import restirpg, write_flying_panel
 
-from harness import scenes
-from harness.motion import Motion
+from restirpg.harness import scenes
+from restirpg.harness.motion import Motion
 
 # The fake renderer's light grows by 1 a second: at 4 frames a second neighbours differ by 13% or more.
 METHODS = ["plain.json@noise=0,label=quiet", "plain.json@label=noisy"]
@@ -64,9 +64,8 @@ def test_each_frame_is_measured_alone_and_against_its_own_reference(tmp_path):
 
 INJECTION = """
 import sys
-sys.path.insert(0, sys.argv.pop(1))
-import compare
-from harness.comparison import Comparison
+from restirpg.harness import compare
+from restirpg.harness.comparison import Comparison
 views = Comparison._views
 Comparison._views = lambda self, scene: {frame: view - 1 for frame, view in views(self, scene).items()}
 sys.exit(compare.main(sys.argv[1:]))
@@ -76,7 +75,7 @@ sys.exit(compare.main(sys.argv[1:]))
 def test_the_reference_of_the_frame_before_shows_as_an_error(tmp_path):
     write_scene(tmp_path)
     own = arguments(tmp_path, *METHODS, **options_of(tmp_path, at="2,5", fps=4))[2:]
-    run = subprocess.run([sys.executable, "-c", INJECTION, str(ROOT / "scripts"), *own], cwd=tmp_path,
+    run = subprocess.run([sys.executable, "-c", INJECTION, *own], cwd=tmp_path,
                          env=ENVIRONMENT, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     assert all(frames(tmp_path)["quiet", frame]["mape"] > 0.1 for frame in (2, 5))

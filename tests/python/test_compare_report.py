@@ -8,7 +8,7 @@ import pytest
 from harness_runs import compare
 from webdriver import Browser
 
-from harness.report import side_by_side
+from restirpg.harness.report import side_by_side
 
 CENTRE = (
     "const c = document.querySelector('.pane canvas');"

@@ -1,12 +1,11 @@
 """Statistics of the harness against closed forms, SciPy, and their own null distributions."""
 
-import harness_runs  # noqa: F401  (puts scripts/ on the path)
 import numpy as np
 import pytest
 from scipy import stats
 
-from harness import statistics as st
-from harness.measure import TemporalSums
+from restirpg.harness import statistics as st
+from restirpg.harness.measure import TemporalSums
 
 
 def test_paired_and_welch_agree_with_scipy():

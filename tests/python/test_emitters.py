@@ -5,17 +5,14 @@ Null hypothesis of each comparison: both scenes have one expected image mean. RU
 are within a factor of 3.4 of each other but for 0.1% of the time (F test, 23 degrees of freedom each).
 """
 
-import sys
 
 import numpy as np
 import pytest
 from furnace_scenes import run_means, standard_errors_off
 from renderer_scenes import ROOT, make_renderer, restirpg
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from scenes import shapes  # noqa: E402
-from scenes.gltf import SceneFile, Texture, emitter, lambert  # noqa: E402
+from restirpg.scenes import shapes
+from restirpg.scenes.gltf import SceneFile, Texture, emitter, lambert
 
 RUNS, FRAMES, LIMIT, VARIANCE_RATIO = 24, 2, 4.0, 3.4
 SIDE = 96  # texels of a sign

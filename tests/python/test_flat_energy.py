@@ -5,17 +5,14 @@ over their means, of RUNS runs each of which frame FRAME is one sample; a false 
 the MIS weights, with the cap one in the confidences.
 """
 
-import sys
 
 import numpy as np
 import pytest
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 from scipy import stats
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from harness.statistics import LEVEL  # noqa: E402
-from harness.unbiased import independent_runs  # noqa: E402
+from restirpg.harness.statistics import LEVEL
+from restirpg.harness.unbiased import independent_runs
 
 RUNS, FRAME, SIZE, BOUNCES = 96, 6, (24, 24), 2
 BATCHES, BATCH_FRAMES = 96, 32  # of the path tracer

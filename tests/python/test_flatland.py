@@ -6,16 +6,12 @@ share samples within a run, runs are independent. Must be rejected: reuse weight
 participants instead of the balance heuristic (z = 6.2).
 """
 
-import sys
 
 import numpy as np
 import pytest
-from renderer_scenes import ROOT
 from scipy import stats
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from harness.paper import flatland  # noqa: E402
+from restirpg.harness.paper import flatland
 
 PIXELS, RUNS = 128, 400
 X = (np.arange(PIXELS) + 0.5) / PIXELS

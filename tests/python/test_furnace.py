@@ -5,8 +5,17 @@ with 15 degrees of freedom are a false alarm of 0.9% a case, but the seeds are f
 """
 
 import pytest
-from furnace_scenes import WHITE, body_in_environment, closed_box, metal, run_means, standard_errors_off, upright_strips
-from scenes.gltf import Material
+from furnace_scenes import (
+    WHITE,
+    body_in_environment,
+    closed_box,
+    metal,
+    run_means,
+    standard_errors_off,
+    upright_strips,
+)
+
+from restirpg.scenes.gltf import Material
 
 RUNS, FRAMES = 16, 4
 LIMIT = 3.0  # standard errors

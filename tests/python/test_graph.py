@@ -1,6 +1,5 @@
 """The pure-Python half: describing a graph needs no GPU and no binding module."""
 
-import importlib.util
 import json
 import os
 import subprocess
@@ -9,15 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from restirpg import Graph, GraphError, Port, prev
+
 ROOT = Path(__file__).parents[2]
-PACKAGE = ROOT / "framework" / "python"
-if (
-    importlib.util.find_spec("restirpg") is None
-):  # a build tree's package, where there is one, has the binding too
-    sys.path.insert(0, str(PACKAGE))
-
-from restirpg import Graph, GraphError, Port, prev  # noqa: E402
-
+PACKAGE = ROOT / "scripts"
 
 def evaluate(file, folder):
     """Run the evaluator as the program does. Returns (exit code, standard output, standard error)."""

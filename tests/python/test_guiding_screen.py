@@ -1,21 +1,18 @@
 """GuidingScreen: paths guided live by one lobe a pixel have the path tracer's mean; where there are lobes.
 
-Null hypothesis and false-alarm rate of the rendered tests: see scripts/harness/unbiased.py. Indirect light of
+Null hypothesis and false-alarm rate of the rendered tests: see scripts/restirpg/harness/unbiased.py. Indirect light of
 the diffuse Cornell box, bounce cap 2. A live guide is fitted to the very paths that ReSTIR keeps: frame FRAME
 of each run is one sample. A guide whose density is 10% too small was found in both tests of the mean: image z
 6.7 without ReSTIR, 5.4 with it.
 """
 
-import sys
 
 import numpy as np
 import pytest
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from harness.statistics import luminance  # noqa: E402
-from harness.unbiased import Reference, compare, independent_runs  # noqa: E402
+from restirpg.harness.statistics import luminance
+from restirpg.harness.unbiased import Reference, compare, independent_runs
 
 BOUNCES = 2
 RUNS = 64

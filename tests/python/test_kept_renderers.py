@@ -2,19 +2,16 @@
 
 import json
 import shutil
-import sys
 
 import numpy as np
 import pytest
 from renderer_scenes import ROOT, scene_file, write_flying_panel  # noqa: F401
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from harness import Halt, measure, render
-from harness.cache import Cache
-from harness.jobs import Job
-from harness.motion import Motion
-from harness.workers import Pool
+from restirpg.harness import Halt, measure, render
+from restirpg.harness.cache import Cache
+from restirpg.harness.jobs import Job
+from restirpg.harness.motion import Motion
+from restirpg.harness.workers import Pool
 
 FRAMES = 3
 

@@ -11,15 +11,23 @@ import subprocess
 import sys
 from pathlib import Path
 
+import kills
 import numpy as np
 import pytest
-from harness_runs import ENVIRONMENT, ROOT, SLOW, SLOW_OPTIONS, arguments, compare, tables, under_way, write_graph
+from harness_runs import (
+    ENVIRONMENT,
+    ROOT,
+    SLOW,
+    SLOW_OPTIONS,
+    arguments,
+    compare,
+    tables,
+    under_way,
+    write_graph,
+)
 
-sys.path.insert(0, str(ROOT / "benchmarks"))
-
-import kills  # noqa: E402
-from harness.cache import Cache  # noqa: E402
-from harness.jobs import seed_of  # noqa: E402
+from restirpg.harness.cache import Cache
+from restirpg.harness.jobs import seed_of
 
 KEY = "0123456789abcdef" * 2
 RESULT = {"image": np.arange(600, dtype=np.float32), "frames": np.arange(8), "meta": {"label": "a", "wall_ms": 1.5}}

@@ -5,16 +5,12 @@
 
 import hashlib
 import os
-import sys
 
 import numpy as np
 import pytest
-from renderer_scenes import ROOT, make_renderer, restirpg
+from pipeline import pipeline
+from renderer_scenes import make_renderer
 from test_restir_di import embedded_scene
-
-sys.path.insert(0, str(ROOT / "graphs"))
-
-from pipeline import pipeline  # noqa: E402
 
 FRAMES = int(os.environ.get("RESTIRPG_LONG_RUN", 100))
 SIZE, FPS = (48, 32), 24

@@ -1,15 +1,11 @@
 """The comparison with Mitsuba on runs whose truth is known; Mitsuba itself is not needed."""
 
-import sys
 
 import numpy as np
-from renderer_scenes import ROOT
+from compare_with_mitsuba import compare, decode_rgbe
+from gltf_edits import environment_for_mitsuba
 
-sys.path.insert(0, str(ROOT / "benchmarks" / "mitsuba"))
-
-from compare_with_mitsuba import compare, decode_rgbe  # noqa: E402
-from gltf_edits import environment_for_mitsuba  # noqa: E402
-from scenes.images import encode_hdr  # noqa: E402
+from restirpg.scenes.images import encode_hdr
 
 
 def noisy_runs(image, seed):

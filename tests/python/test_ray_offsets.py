@@ -5,17 +5,14 @@ tested by tests/trace/clearance_test.
 """
 
 import math
-import sys
 
 import numpy as np
 import pytest
 from furnace_scenes import run_means, standard_errors_off
 from renderer_scenes import ROOT, make_renderer, restirpg
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from scenes import shapes  # noqa: E402
-from scenes.gltf import SceneFile, emitter, glass, lambert  # noqa: E402
+from restirpg.scenes import shapes
+from restirpg.scenes.gltf import SceneFile, emitter, glass, lambert
 
 RUNS, FRAMES, LIMIT = 8, 8, 4.0
 

@@ -15,21 +15,28 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from renderer_scenes import ROOT, restirpg, write_flying_panel, write_outside
+from renderer_scenes import ROOT, write_flying_panel, write_outside
 from webdriver import Browser
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-import reproduce as program  # noqa: E402
-from harness import UserError  # noqa: E402
-from harness.paper import (  # noqa: E402
-    ablation, cost, errors, experiments, figure_4, motion, page, pictures, resolution, table_1,
+from restirpg.harness import UserError
+from restirpg.harness import reproduce as program
+from restirpg.harness.paper import (
+    ablation,
+    cost,
+    errors,
+    experiments,
+    figure_4,
+    motion,
+    page,
+    pictures,
+    resolution,
+    table_1,
 )  # fmt: skip
-from harness.paper.comparisons import CANDIDATES  # noqa: E402
-from harness.paper.paper import METHODS, OURS, QUICK, SHOWN, UNGUIDED, Paper, Results, Study  # noqa: E402
-from harness.render import load_scene  # noqa: E402
-from harness.scenes import facts  # noqa: E402
-from harness.workers import Pool  # noqa: E402
+from restirpg.harness.paper.comparisons import CANDIDATES
+from restirpg.harness.paper.paper import METHODS, OURS, QUICK, SHOWN, UNGUIDED, Paper, Results, Study
+from restirpg.harness.render import load_scene
+from restirpg.harness.scenes import facts
+from restirpg.harness.workers import Pool
 
 SMALL = "--quick --size 16x9 --frames 2 --seeds 2 --reference-frames 16".split()
 

@@ -1,6 +1,6 @@
 """ReSTIR DI is unbiased, whatever is reused, and each mistake that can be built in turns a test red.
 
-Null hypothesis and false-alarm rate of the rendered tests: see scripts/harness/unbiased.py.
+Null hypothesis and false-alarm rate of the rendered tests: see scripts/restirpg/harness/unbiased.py.
 """
 
 import subprocess
@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from direct_light import direct_graph, make_reference, write_every_light, write_open_floor
-from harness.statistics import LEVEL
-from harness.unbiased import compare, independent_runs
 from renderer_scenes import ROOT, SIZE, make_renderer, restirpg, scene, scene_file  # noqa: F401
+
+from restirpg.harness.statistics import LEVEL
+from restirpg.harness.unbiased import compare, independent_runs
 
 RUNS = 64
 FRAMES = 8

@@ -6,17 +6,13 @@ the analytic one; RUNS runs at 16 x 16, of which the last frame is a sample; 3.7
 of freedom are a false alarm of 0.1% a case. Without light samples a candidate's weight has no variance there.
 """
 
-import sys
 
 import numpy as np
 import pytest
-from furnace_scenes import (
-    BRUSHED, MIRROR, PANE, closed_box, dark_half, standard_errors_off, upright_strips)
-from renderer_scenes import ROOT, restirpg
+from furnace_scenes import BRUSHED, MIRROR, PANE, closed_box, dark_half, standard_errors_off, upright_strips
+from renderer_scenes import restirpg
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from harness.unbiased import independent_runs  # noqa: E402
+from restirpg.harness.unbiased import independent_runs
 
 ALBEDO, BOUNCES = 0.8, 2
 RUNS, FRAMES, LIMIT = 32, 4, 3.7

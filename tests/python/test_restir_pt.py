@@ -3,7 +3,7 @@
 Null hypothesis in the diffuse Cornell box: both have one image mean. z of the difference over independent
 runs; |z| < 4 has a false-alarm rate of 6e-5 a test for normal noise. A reuse that leaves out the pixels whose
 history is empty must be found. In the scenes of glass: the mean of the image and of every 4 x 4 block is
-the path tracer's, by harness.unbiased over RUNS runs, of which frames 1 and 8 are samples; a false alarm of 1%
+the path tracer's, by restirpg.harness.unbiased over RUNS runs, of which frames 1 and 8 are samples; a false alarm of 1%
 a scene for the blocks and for the image. An image mean 3% off under every kind of light is found.
 """
 
@@ -15,9 +15,7 @@ import pytest
 from direct_light import write_every_light
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from harness.unbiased import Reference, compare, independent_runs  # noqa: E402
+from restirpg.harness.unbiased import Reference, compare, independent_runs
 
 BOUNCES = 2
 RUNS, FRAMES, REFERENCE_FRAMES = 64, (1, 8), 4096

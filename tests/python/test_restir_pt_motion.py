@@ -5,16 +5,13 @@ tower now, no path led anywhere from there, and the history counted again in eve
 frames. RUNS runs give a standard error of about 1%; LARGEST is three times the bias that is left.
 """
 
-import sys
 
 import numpy as np
 import pytest
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 from test_flat_energy import resampled
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from harness.unbiased import independent_runs  # noqa: E402
+from restirpg.harness.unbiased import independent_runs
 
 RUNS, FRAMES, SIZE, BOUNCES, LARGEST = 24, 8, (24, 24), 2, 0.05
 BATCHES, BATCH_FRAMES = 8, 64  # of the path tracer

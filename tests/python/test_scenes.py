@@ -9,13 +9,11 @@ import sys
 import numpy as np
 import pytest
 
+from restirpg.scenes import SCENES, implicit, shapes, textures
+from restirpg.scenes.gltf import SceneFile, glass, lambert, look_at
+from restirpg.scenes.images import encode_hdr, encode_png
+
 SCRIPTS = pathlib.Path(__file__).resolve().parents[2] / "scripts"
-sys.path.insert(0, str(SCRIPTS))
-
-from scenes import SCENES, implicit, shapes, textures  # noqa: E402
-from scenes.gltf import SceneFile, glass, lambert, look_at  # noqa: E402
-from scenes.images import encode_hdr, encode_png  # noqa: E402
-
 ANALYTIC = {"cornell_box", "cornell_glass", "furnace_environment", "furnace_closed"}
 COMPONENTS = {5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 COLUMNS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}

@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 from direct_light import LUMINANCE, LitScene, write_every_light
 from furnace_scenes import run_means, standard_errors_off
-from harness.statistics import LEVEL, block_means
-from harness.unbiased import BLOCK
 from renderer_scenes import GRAPH, restirpg
-from scenes import shapes
-from scenes.gltf import lambert
 from scipy import stats
+
+from restirpg.harness.statistics import LEVEL, block_means
+from restirpg.harness.unbiased import BLOCK
+from restirpg.scenes import shapes
+from restirpg.scenes.gltf import lambert
 
 RUNS, FRAMES = 64, 4
 

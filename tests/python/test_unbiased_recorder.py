@@ -1,4 +1,4 @@
-"""benchmarks/unbiased/record.py and the test it makes (harness.unbiased): what it must find, and what it must not.
+"""benchmarks/unbiased/record.py and the test it makes (restirpg.harness.unbiased): what it must find, and what it must not.
 
 Rendered cases: 64 runs of the Cornell box at 16 x 16; the seeds are fixed, so that a case that passes keeps passing. Of the
 faults of ReSTIRReuse only "confidence" shows here: a still camera makes every temporal Jacobian 1, and in a diffuse box the spatial
@@ -13,10 +13,8 @@ import numpy as np
 import pytest
 from renderer_scenes import ROOT, scene_file  # noqa: F401
 
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from harness.statistics import LEVEL  # noqa: E402
-from harness.unbiased import Reference, compare  # noqa: E402
+from restirpg.harness.statistics import LEVEL
+from restirpg.harness.unbiased import Reference, compare
 
 RECORD = ROOT / "benchmarks" / "unbiased" / "record.py"
 TRIALS, RUNS = 300, 64

@@ -1,0 +1,38 @@
+"""The commands of the package, each the `main` of a module that is imported when the command starts."""
+
+import importlib
+import os
+import signal
+import sys
+
+
+def _run(module):
+    """Call main(arguments) of the module. Returns the exit code."""
+    if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # until program.run: no stack trace of what is being imported
+    try:
+        return importlib.import_module(module).main(sys.argv[1:])
+    except ModuleNotFoundError as missing:
+        name = os.path.basename(sys.argv[0])
+        print(f"{name}: {sys.executable} lacks the module '{missing.name}': install it, or use another Python", file=sys.stderr)
+        return 2
+
+
+def compare():
+    """Compare methods."""
+    return _run("restirpg.harness.compare")
+
+
+def reproduce():
+    """Reproduce the paper's evaluation."""
+    return _run("restirpg.harness.reproduce")
+
+
+def scenes():
+    """Write the embedded scenes."""
+    return _run("restirpg.scenes.make")
+
+
+def see_guide():
+    """Draw what guides the paths at some pixels."""
+    return _run("restirpg.harness.see_guide")

@@ -1,0 +1,193 @@
+"""From runs to findings: the numbers that the tables, the plots and the report show."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from restirpg.harness import reference as references
+from restirpg.harness import statistics as st
+
+METRICS = ("mape", "relmse")
+SETTLED = 0.5  # of a run's frames, the last ones, count as single frames: reuse and guide have settled
+
+
+@dataclass
+class MethodFindings:
+    """One method on one scene. Curves are (seeds, measured frames)."""
+
+    label: str
+    frames: np.ndarray
+    curves: dict  # metric -> curve; relmse without the reference's own noise
+    gpu_ms: np.ndarray  # summed since the start, (seeds, measured frames)
+    wall_ms: np.ndarray
+    single: np.ndarray  # MAPE of settled single frames by seed; NaN where none is known
+    equal_frame: dict  # metric -> (mean, standard error) after the last frame
+    equal_time: (
+        dict  # metric -> (mean, standard error) at SceneFindings.common_ms; NaN: the first frame takes longer
+    )
+    bias: st.Test  # relative to the reference's mean
+    block_p: np.ndarray  # p-value of each 8x8 block's bias
+    spatial_image: tuple  # block correlation of the final picture: ratio, standard error
+    spatial_frame: tuple  # of single frames
+    temporal: tuple  # autocorrelation at lag 1: mean, standard error
+    passes: dict  # pass -> ms a frame, mean over seeds
+    memory: dict  # resource -> bytes
+    against: (
+        dict  # (metric, "frame", "time", "single" or a frame of `at`) -> paired Test against the baseline,
+        # which has none
+    )
+    images: dict  # "image" (first seed), "mean" (of all seeds), "frame" (first seed's last frame alone)
+    adjusted: dict = field(default_factory=dict)  # as `against`, and "bias", "blocks" -> corrected p-value
+
+
+@dataclass
+class SceneFindings:
+    """One scene: its reference, the time all methods are compared at, and the methods, the baseline first."""
+
+    scene: str
+    reference: dict
+    noise: dict
+    common_ms: float
+    methods: list
+    descriptions: dict
+    warnings: list
+    seeds: int
+    bias_tests: int = 1  # in the family that the smallest detectable bias is corrected for
+    at: tuple = ()  # frames whose own pictures were measured, no times compared; (): the mean of all frames was
+
+
+def single_frames(run):
+    """Mean MAPE of a run's settled single frames; NaN if no frame's own picture is known."""
+    errors = run["frame_mape"]
+    errors = errors[len(errors) - max(1, round(SETTLED * len(errors))) :]
+    return float(np.mean(errors[~np.isnan(errors)])) if not np.isnan(errors).all() else float("nan")
+
+
+def analyse(scene_runs):
+    """Findings of every scene.
+
+    p-values are corrected (Holm) in two families, each over all scenes and methods: the comparisons with the
+    baseline, and the tests of bias.
+    """
+    findings = [_scene(runs) for runs in scene_runs if runs.runs]
+    methods = [method for scene in findings for method in scene.methods]
+    _correct([(method, kind, test.p) for method in methods for kind, test in method.against.items()])
+    tests = _correct(
+        [
+            entry
+            for method in methods
+            for entry in ((method, "bias", method.bias.p), (method, "blocks", _smallest_block_p(method)))
+        ]
+    )
+    for scene in findings:
+        scene.bias_tests = tests
+    return findings
+
+
+def _correct(family):
+    """Set `adjusted` from a family of (method, kind, p-value); returns how many of them are tests."""
+    p_values = [p for _, _, p in family]
+    for (method, kind, _), adjusted in zip(family, st.holm(p_values)):
+        method.adjusted[kind] = float(adjusted)
+    return int(np.sum(~np.isnan(p_values)))
+
+
+def _smallest_block_p(method):
+    """Bonferroni over a method's own blocks."""
+    return min(1.0, float(np.min(method.block_p)) * method.block_p.size) if method.block_p.size else np.nan
+
+
+def _scene(runs):
+    noise = references.noise(runs.reference)
+    subtracted = noise["relmse"]  # from each measured relMSE
+    if runs.at:
+        noise["luminance_variance"] = np.mean([each["luminance_variance"] for each in runs.noise])
+        subtracted = np.array([each["relmse"] for each in runs.noise])
+    times = {label: np.array([run["gpu_ms"] for run in seeds]) for label, seeds in runs.runs.items()}
+    common = min(float(curve[:, -1].min()) for curve in times.values())
+    if runs.at:
+        common = float("nan")  # at one time, methods of different speed would show different things
+    methods = [
+        _method(label, seeds, runs.reference, noise, subtracted, common) for label, seeds in runs.runs.items()
+    ]
+    for method in methods[1:]:
+        method.against = {
+            (metric, mode): st.paired(
+                _values(method, metric, mode, common), _values(methods[0], metric, mode, common)
+            )
+            for metric in METRICS
+            for mode in ("frame", *(runs.at[:-1] if runs.at else ("time",)))
+        }
+        if not runs.at:
+            method.against["mape", "single"] = st.paired(method.single, methods[0].single)
+    return SceneFindings(
+        runs.scene,
+        runs.reference,
+        noise,
+        common,
+        methods,
+        runs.descriptions,
+        runs.warnings,
+        len(next(iter(runs.runs.values()))),
+        at=runs.at,
+    )
+
+
+def _values(method, metric, mode, common):
+    """A metric by seed, after the last frame, at the common time, or of a frame of `at`."""
+    curves = method.curves[metric]
+    if mode == "frame":
+        return curves[:, -1]
+    if mode != "time":
+        return curves[:, list(method.frames).index(mode)]
+    return np.array([st.at_time(times, curve, common) for times, curve in zip(method.gpu_ms, curves)])
+
+
+def _method(label, runs, truth, noise, subtracted, common):
+    gather = {
+        name: np.array([run[name] for run in runs])
+        for name in ("mape", "relmse", "bias", "gpu_ms", "wall_ms")
+    }
+    curves = {"mape": gather["mape"], "relmse": gather["relmse"] - subtracted, "bias": gather["bias"]}
+    pictures = np.array(
+        [np.nan_to_num(run["image"].astype(float), nan=0, posinf=0, neginf=0) for run in runs]
+    )
+    frames = np.nan_to_num(st.luminance(np.array([run["frame"] for run in runs])), nan=0, posinf=0, neginf=0)
+    brightness = st.luminance(pictures)
+    temporal = [st.temporal_correlation(run["temporal"], noise["luminance_variance"]) for run in runs]
+    scale = truth["batch_means"].mean()
+    several = len(runs) > 1
+    method = MethodFindings(
+        label=label,
+        frames=runs[0]["frames"],
+        curves=curves,
+        gpu_ms=gather["gpu_ms"],
+        wall_ms=gather["wall_ms"],
+        single=np.array([single_frames(run) for run in runs]),
+        equal_frame={},
+        equal_time={},
+        bias=st.welch(pictures.mean(axis=(1, 2, 3)) / scale, truth["batch_means"] / scale),
+        block_p=(
+            st.block_bias_p_values(st.block_means(brightness), truth["batch_blocks"])
+            if several
+            else np.array([])
+        ),
+        spatial_image=st.block_correlation(brightness),
+        spatial_frame=st.block_correlation(frames),
+        temporal=st.mean_se(temporal),
+        passes={
+            name: float(np.mean([run["meta"]["passes"][name] for run in runs]))
+            for name in runs[0]["meta"]["passes"]
+        },
+        memory=runs[0]["meta"]["memory"],
+        against={},
+        images={
+            "image": runs[0]["image"],
+            "mean": pictures.mean(axis=0).astype(np.float32),
+            "frame": runs[0]["frame"],
+        },
+    )
+    for metric in METRICS:
+        method.equal_frame[metric] = st.mean_se(_values(method, metric, "frame", common))
+        method.equal_time[metric] = st.mean_se(_values(method, metric, "time", common))
+    return method

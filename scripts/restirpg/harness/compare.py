@@ -1,0 +1,181 @@
+"""Compare light transport methods on equal terms: same scene, seeds, bounce cap, pixel filter, clock and
+reference.
+
+    scripts/compare.py GRAPH[@SETTING=VALUE,...]... --scenes SCENE... [--size 160x90] [--frames 32] [--seeds
+    8]
+    scripts/compare.py GRAPH... --scenes SCENE... --at 1,8,9,10,12,16 [--fps 8] [--circle 0.02]
+
+Each GRAPH is one method; the first is the baseline that the others are tested against. Settings are knobs
+(`paths.nee=false`, or `bounces=2` on every pass that has it) and label, output, device, backend. Prints
+tables and writes report.html, CSV and EXR files into the folder --out. Finished runs are kept: the same
+command again, after any interruption, goes on where it stopped. Exit code: 0; 1 when a run failed (the others
+are reported); 2 for a mistake in what was asked; 130 after Ctrl-C, 143 after SIGTERM.
+"""
+
+import argparse
+import os
+import sys
+import time
+from pathlib import Path
+
+from restirpg.harness import UserError, analysis, files, program, render, report, selftest, tables
+from restirpg.harness.comparison import PATH_TRACER, Comparison, Settings
+from restirpg.harness.jobs import parse_method
+from restirpg.harness.motion import Motion
+
+OUTPUTS = ("report.html", "tables.txt", "*.csv", "images/*.exr")  # below --out
+
+
+def parse(arguments):
+    """The command line as a namespace."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    add = parser.add_argument
+    add("methods", nargs="*", metavar="GRAPH[@SETTING=VALUE,...]", help="a method; the first is the baseline")
+    add(
+        "--scenes",
+        nargs="+",
+        metavar="FILE",
+        default=["out/scenes/door_ajar.glb"],
+        help=".glb or .gltf (%(default)s)",
+    )
+    add("--size", type=program.size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
+    add("--frames", type=program.positive, help="frames of a run (32, or the last of --at)")
+    add(
+        "--at",
+        type=program.frame_numbers,
+        default=(),
+        metavar="K,K,...",
+        help="measure these frames' own pictures, not the mean of all: each against a reference with its own "
+        "time and camera",
+    )
+    add("--fps", type=program.length, default=0.0, metavar="F", help="play the scene's animation, F frames a second")
+    add(
+        "--circle",
+        type=program.length,
+        default=0.0,
+        metavar="METRES",
+        help="move the camera round a circle of this radius in its own plane, 6 frames a turn",
+    )
+    add("--seeds", type=program.positive, default=8, help="independent runs of each method (%(default)s)")
+    add(
+        "--base-seed",
+        type=int,
+        default=0,
+        help="another number gives other random numbers to all runs (%(default)s)",
+    )
+    add(
+        "--bounces",
+        type=program.bounces,
+        help="bounce cap of every pass and of the reference, 0: direct light alone (the scene's, or the graph's "
+        "own)",
+    )
+    add("--environment", metavar="FILE|R,G,B", help="environment light in place of the scene's")
+    program.add_allow_outside(parser)
+    add("--camera", type=program.whole(0), default=0, help="number of the scene's camera (%(default)s)")
+    add(
+        "--energy-compensation",
+        action="store_true",
+        help="rough metal and glass give back the light that single-scattering GGX loses",
+    )
+    add("--reference", metavar="EXR", help="a picture to take for the truth, in place of a path traced one")
+    add(
+        "--reference-graph",
+        default=PATH_TRACER,
+        metavar="GRAPH",
+        help="what renders the truth (%(default)s)",
+    )
+    add(
+        "--reference-frames",
+        type=program.positive,
+        metavar="N",
+        help="frames of the reference in all (32 times --frames)",
+    )
+    add(
+        "--reference-batches",
+        type=program.positive,
+        default=16,
+        metavar="R",
+        help="independent parts of the reference, for its own standard error (%(default)s)",
+    )
+    program.add_runner(parser, "out/compare")
+    add(
+        "--self-test",
+        action="store_true",
+        help="measure the harness: false alarms between equal methods, power to find a 1%% error of energy",
+    )
+    add("--trials", type=program.positive, default=60, help="of the self-test (%(default)s)")
+    return parser.parse_args(arguments)
+
+
+def settings_from(options):
+    """The namespace as Settings; raises UserError."""
+    methods = tuple(parse_method(text) for text in options.methods)
+    if not methods:
+        raise UserError("no graph given; name one or more, as in scripts/compare.py graphs/path_tracer.py")
+    frames = options.frames or (options.at[-1] if options.at else 32)
+    if options.at and options.at[-1] > frames:
+        raise UserError(f"--at asks for frame {options.at[-1]}, and --frames ends the runs after {frames}")
+    return Settings(
+        methods=methods,
+        scenes=tuple(options.scenes),
+        size=options.size,
+        frames=frames,
+        seeds=options.seeds,
+        base_seed=options.base_seed,
+        bounces=options.bounces,
+        environment=options.environment,
+        allow_outside=options.allow_outside,
+        energy_compensation=options.energy_compensation,
+        camera=options.camera,
+        reference=options.reference,
+        reference_graph=options.reference_graph,
+        reference_frames=options.reference_frames or 32 * frames,
+        reference_batches=options.reference_batches,
+        motion=Motion(options.circle, options.fps) if options.circle or options.fps else None,
+        at=options.at,
+    )
+
+
+def compare(options, cache, pool, display):
+    """Run the comparison, print the tables and write the files. Returns the exit code."""
+    started = time.monotonic()
+    settings = settings_from(options)
+    out = Path(options.out)
+    inputs = [settings.reference, settings.environment, settings.reference_graph, *settings.scenes]
+    files.refuse_inputs_among([*inputs, *(method.graph for method in settings.methods)], out, OUTPUTS)
+    comparison = Comparison(settings, cache, pool, display)
+    comparison.prepare()
+    for device in dict.fromkeys(
+        f"{device['name']}, {device['driver']}, {device['backend']}" for device in comparison.device.values()
+    ):
+        print(f"device: {device}")
+    findings = analysis.analyse(comparison.run())
+    text = tables.as_text(findings)
+    files.write(out / "tables.txt", text)
+    tables.write_csv(findings, out)
+    report.write_pictures(findings, out / "images")
+    report.write(findings, settings, comparison, out / "report.html")
+    print(text)
+    for failure in comparison.failures:
+        print(f"failed: {failure}", file=sys.stderr)
+    print(
+        f"{out / 'report.html'}: the report, after {time.monotonic() - started:.0f} s; "
+        f"tables.txt, summary.csv, runs.csv and images/*.exr lie beside it"
+    )
+    return 1 if comparison.failures else 0
+
+
+def main(arguments):
+    """The command line. Returns the exit code."""
+    options = parse(arguments)
+
+    def body(display):
+        render.find_package()
+        files.make_folder(options.out, "--out")
+        # Nothing is timed in the self-test, and most of a small run is one core's work.
+        with program.runner(options, display, os.cpu_count() if options.self_test else None) as (cache, pool):
+            return (selftest.run if options.self_test else compare)(options, cache, pool, display)
+
+    return program.run("compare.py", body)

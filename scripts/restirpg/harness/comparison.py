@@ -1,0 +1,354 @@
+"""Plans the jobs of a comparison, runs those that are not in the cache, and collects the results."""
+
+import json
+import os
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from restirpg.harness import UserError, reference, render, scenes
+from restirpg.harness.jobs import Job, Method, digest, file_name, seed_of, without_places
+from restirpg.harness.motion import Motion
+
+PATH_TRACER = os.path.relpath(render.ROOT / "graphs" / "path_tracer.py")  # from any folder
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the command line asks for."""
+
+    methods: tuple
+    scenes: tuple
+    size: tuple = (160, 90)
+    frames: int = 32
+    seeds: int = 8
+    base_seed: int = 0
+    bounces: int | None = None
+    environment: str | None = None
+    allow_outside: bool = False  # scenes may read files that lie outside of their own folder
+    camera: int = 0
+    energy_compensation: bool = False
+    reference: str | None = None  # an EXR in place of the path tracer
+    reference_graph: str = PATH_TRACER
+    reference_frames: int = 1024  # over all batches together
+    reference_batches: int = 16
+    motion: Motion | None = None
+    at: tuple = ()  # ascending frames whose own pictures are measured, each against a reference of its own;
+    # (): measured is the mean of all frames, after each of them
+
+
+@dataclass
+class SceneRuns:
+    """Everything measured on one scene."""
+
+    scene: str
+    reference: dict  # of the last measured frame
+    runs: dict  # method label -> results by seed, only of seeds that all methods finished
+    descriptions: dict  # method label -> graph description with the knobs as they were
+    warnings: list = field(default_factory=list)
+    at: tuple = ()  # as in Settings
+    noise: tuple = ()  # reference.noise() of each frame of `at`
+
+
+class Comparison:
+    """One comparison: prepare() checks it cheaply and whole, run() returns a SceneRuns each scene."""
+
+    def __init__(self, settings, cache, pool, display):
+        self.settings = settings
+        self.cache = cache
+        self.failures = []  # one line each
+        self.device = {}
+        self._pool = pool
+        self.display = display
+        labels = ["reference", *(method.label for method in settings.methods)]
+        names = [file_name(label) for label in labels]
+        for label in labels:
+            if names.count(file_name(label)) > 1:
+                raise UserError(f"two pictures would be called '{label}'; tell them apart with @label=NAME")
+        if settings.motion and not settings.at:
+            raise UserError("while things move only single frames can be measured: say which, as in --at 8,16")
+
+    def prepare(self):
+        """Check scenes, graphs and knobs before anything long starts; raises UserError."""
+        settings = self.settings
+        names = [Path(scene).stem for scene in settings.scenes]
+        for name in names:
+            if names.count(name) > 1:
+                raise UserError(f"two scenes would be called '{name}'; compare them one after the other")
+        if settings.reference and len(names) > 1:
+            raise UserError(f"{settings.reference}: one picture cannot be the reference of {len(names)} scenes")
+        self.code = code = render.code_version()
+        descriptions = {
+            method.graph: json.dumps(render.describe_graph(method.graph), sort_keys=True)
+            for method in self._all_methods()
+        }
+        self.plans = []
+        self.display.start(len(settings.scenes) * len(self._all_methods()), "checked")
+        for scene in settings.scenes:
+            facts = scenes.facts(
+                self._pool, scene, settings.camera, settings.environment, settings.allow_outside
+            )
+            base = Job(
+                scene=scene,
+                scene_hash=facts.hash,
+                graph="",
+                description="",
+                size=settings.size,
+                frames=settings.at[-1] if settings.at else settings.frames,
+                seed=0,
+                code=code,
+                environment=settings.environment,
+                allow_outside=settings.allow_outside,
+                camera=settings.camera,
+                energy_compensation=settings.energy_compensation,
+                bounces=facts.bounces(settings.bounces),
+                motion=settings.motion,
+                at=settings.at,
+            )
+            jobs = [self._job(base, method, descriptions[method.graph]) for method in self._all_methods()]
+            self.plans.append(self._plan(facts, jobs, self._probe(jobs)))
+        self.display.stop()
+
+    def _all_methods(self):
+        """The methods, and last the reference's graph unless the reference is a file."""
+        own = [] if self.settings.reference else [Method("reference", self.settings.reference_graph)]
+        return [*self.settings.methods, *own]
+
+    @staticmethod
+    def _job(base, method, description):
+        return replace(
+            base,
+            graph=method.graph,
+            description=description,
+            knobs=method.knobs,
+            output=method.output,
+            device=method.device,
+            backend=method.backend,
+            label=method.label,
+        )
+
+    def _probe(self, jobs):
+        """The knobs and device of each job, from the cache or a worker."""
+        keys = {job.label: digest(f"probe {job.key}".encode()) for job in jobs}
+        found = {label: self.cache.load(key) for label, key in keys.items()}
+        missing = [job for job in jobs if not found[job.label]]
+        self.display.skip(len(jobs) - len(missing))
+        for job, failure, answer in self._pool.run(missing, kind="probe"):
+            if failure:
+                raise UserError(failure)
+            self.display.advance(1, f"{job.label} on {job.scene}")
+            found[job.label] = {"meta": answer}
+            self.cache.store(keys[job.label], found[job.label])
+        return {label: result["meta"] for label, result in found.items()}
+
+    def _plan(self, facts, jobs, probes):
+        """Reference jobs (by view, see _views) and method jobs of a scene, and what is to be said about them."""
+        warnings, batches, settings = [], {}, self.settings
+        views = self._views(facts)
+        methods = [job for job in jobs if job.label != "reference"]
+        self.device.update({job.label: probes[job.label]["device"] for job in methods})
+        caps = {job.label: largest_knob(probes[job.label]["knobs"], "bounces") for job in methods}
+        filters = {job.label: largest_knob(probes[job.label]["knobs"], "jitter") for job in methods}
+        if not settings.reference:
+            job = jobs[-1]
+            own = probes["reference"]["knobs"]
+            own_caps = [cap for cap in caps.values() if cap is not None]
+            cap = max(own_caps, default=None) if job.bounces is None else job.bounces
+            jitter = next((value for value in filters.values() if value is not None), None)
+            differs = jitter is not None and largest_knob(own, "jitter") not in (None, jitter)
+            knobs = (("jitter", jitter),) if differs else ()
+            frames = max(1, settings.reference_frames // settings.reference_batches)
+            cap = cap if largest_knob(own, "bounces") is not None else None
+            still = replace(job, bounces=cap, knobs=knobs, frames=frames, at=())
+            batches = {view: self._batches(still, view) for view in dict.fromkeys(views.values())}
+            warnings += [
+                f"{label}: its bounce cap is {own_cap}, the reference's {cap}: the difference counts as error"
+                for label, own_cap in caps.items()
+                if own_cap not in (None, cap)
+            ]
+        elif len(set(views.values())) > 1:
+            raise UserError(
+                f"{settings.reference}: the frames measured show different things; one picture cannot be "
+                "the reference of all"
+            )
+        if settings.motion and settings.motion.fps and not facts.animation:
+            warnings.append("the scene has no animation that --fps could play")
+        if len(set(filters.values()) - {None}) > 1:
+            warnings.append(
+                "the methods differ in their pixel filter (knob jitter); the reference has the first one's"
+            )
+        knobs = {job.label: probes[job.label]["knobs"] for job in methods}
+        return {
+            "scene": jobs[0].scene,
+            "methods": methods,
+            "views": views,
+            "batches": batches,
+            "warnings": warnings,
+            "knobs": knobs,
+        }
+
+    def _views(self, facts):
+        """{measured frame: the first one that shows the same, whose reference it has}; {0: 0} of the mean."""
+        at, motion = self.settings.at, self.settings.motion
+        if not motion:
+            return dict.fromkeys(at or (0,), 0)
+        poses, first = {}, {}
+        for frame in range(1, at[-1] + 1):
+            step, seconds = motion.pose(frame)
+            poses[frame] = step, facts.held_since(seconds) if motion.fps else 0.0
+            first.setdefault(poses[frame], frame)
+        return {frame: first[poses[frame]] for frame in at}
+
+    def _batches(self, job, view):
+        """The jobs of a view's reference, independent of each other."""
+        return [
+            replace(
+                job,
+                still=view,
+                label=f"reference {number + 1}" + (f" of frame {view}" if view else ""),
+                seed=seed_of(self.settings.base_seed, "reference", number),
+            )
+            for number in range(self.settings.reference_batches)
+        ]
+
+    def seeds(self):
+        """The seeds of the runs: the same for every method, so that tests can be paired."""
+        return [seed_of(self.settings.base_seed, "run", number) for number in range(self.settings.seeds)]
+
+    def run(self):
+        """Render what is missing. A scene whose reference fails is left out; see `failures`."""
+        results, work = [], 0
+        for plan in self.plans:
+            plan["jobs"] = [replace(job, seed=seed) for seed in self.seeds() for job in plan["methods"]]
+            work += sum(cost(job) for jobs in (*plan["batches"].values(), plan["jobs"]) for job in jobs)
+        self.display.start(work)
+        for plan in self.plans:
+            references = self._references(plan)
+            if None in references.values():
+                self.failures.append(f"{plan['scene']}: left out: its reference failed")
+                self.display.skip(sum(cost(job) for job in plan["jobs"]))
+                continue
+            keys = [references[view] for view in plan["views"].values()]
+            named = {"references": tuple(keys)} if self.settings.at else {"reference": keys[0]}
+            jobs = [replace(job, **named) for job in plan["jobs"]]
+            self.render(jobs)
+            results.append(self._collect(plan, keys, jobs))
+        self.display.stop()
+        return results
+
+    def _references(self, plan):
+        """{view: key of its reference, in the cache by then, or None when it failed}."""
+        if self.settings.reference:
+            key, _ = reference.from_exr(self.cache, self.settings.reference, self.settings.size)
+            return dict.fromkeys(plan["views"].values(), key)
+        return {view: self._reference(batches) for view, batches in plan["batches"].items()}
+
+    def _reference(self, batches):
+        key = reference.key_of_batches(batches)
+        if self.cache.load(key):
+            self.display.skip(sum(cost(job) for job in batches))
+            return key
+        if self.render(batches):
+            return None
+        reference.combine(self.cache, batches)
+        return key
+
+    def render(self, jobs):
+        """Run the jobs that are not in the cache; returns how many failed, each already reported."""
+        missing = [job for job in jobs if self.cache.load(job.key) is None]
+        self.display.skip(sum(cost(job) for job in jobs) - sum(cost(job) for job in missing))
+        failed = 0
+        for job, failure, _ in self._pool.run(
+            missing,
+            on_tick=lambda job, frames: self.display.advance(
+                frames * cost(job) / job.frames, f"{job.label} on {job.scene}" + ("" if frames else ": compiling kernels")
+            ),
+        ):
+            if failure:
+                failed += 1
+                self.failures.append(f"{job.scene}, {job.label}, seed {job.seed}: {failure}")
+                self.display.message(f"failed: {self.failures[-1]}")
+        return failed
+
+    def _collect(self, plan, keys, jobs):
+        """Results by method, of the seeds that every method with any result finished: tests are paired.
+
+        keys: of the reference of each measured frame.
+        """
+        truth = self.cache.need(keys[-1])
+        noise = {key: reference.noise(self.cache.need(key)) for key in set(keys)} if self.settings.at else {}
+        results = {job.label: {} for job in jobs}
+        for job in jobs:
+            result = self.cache.load(job.key)
+            if result:
+                results[job.label][job.seed] = result
+        finished = {label: runs for label, runs in results.items() if runs}
+        baseline = plan["methods"][0].label
+        if baseline not in finished:
+            self.failures.append(f"{plan['scene']}: left out: no run of '{baseline}', the baseline, was finished")
+            finished = {}
+        seeds = [
+            seed
+            for seed in dict.fromkeys(job.seed for job in jobs)
+            if all(seed in runs for runs in finished.values())
+        ]
+        runs = (
+            {label: [by_seed[seed] for seed in seeds] for label, by_seed in finished.items()} if seeds else {}
+        )
+        descriptions = {
+            job.label: with_knobs(json.loads(without_places(job.description)), plan["knobs"][job.label])
+            for job in plan["methods"]
+        }
+        warnings = list(plan["warnings"])
+        if finished and len(seeds) < self.settings.seeds:
+            left_out = self.settings.seeds - len(seeds)
+            warnings.append(f"{left_out} of {self.settings.seeds} seeds are left out: a run failed")
+        everything = [result["meta"] for by_seed in runs.values() for result in by_seed]
+        devices = {", ".join(meta["device"].values()) for meta in everything}
+        if len(devices) > 1:
+            warnings.append(f"times are those of several devices: {'; '.join(sorted(devices))}")
+        if any(meta.get("at_a_time", 1) > 1 for meta in everything):
+            warnings.append("some runs were not alone (--jobs): they took longer than they would have")
+        for label, by_seed in runs.items():
+            if invalid := int(sum(result["invalid"].sum() for result in by_seed)):
+                warnings.append(
+                    f"{label}: NaN or infinite pixels, {invalid} in all measured pictures: left out of its "
+                    "errors, black in its pictures"
+                )
+            if dropped := sum(result["meta"]["dropped"] for result in by_seed):
+                warnings.append(
+                    f"{label}: {dropped} samples were NaN, infinite or beyond 1e30 and left out of its pictures: "
+                    "its mean is wrong where they were"
+                )
+        if invalid := truth["meta"].get("invalid"):
+            fate = "of its batches count as black" if truth["meta"]["batches"] else "are left out of errors"
+            warnings.append(f"reference: {invalid} NaN or infinite pixels {fate}")
+        if dropped := truth["meta"].get("dropped"):
+            warnings.append(f"reference: {dropped} samples were NaN, infinite or beyond 1e30 and left out: it is wrong where they were")
+        return SceneRuns(
+            plan["scene"],
+            truth,
+            runs,
+            descriptions,
+            warnings,
+            self.settings.at,
+            tuple(noise[key] for key in keys if noise),
+        )
+
+
+def cost(job):
+    """The job's share of the whole work: pixels times frames."""
+    return job.size[0] * job.size[1] * job.frames
+
+
+def largest_knob(knobs, name):
+    """The largest value of knob `name` over all passes, or None when no pass has it."""
+    return max((values[name] for values in knobs.values() if name in values), default=None)
+
+
+def with_knobs(description, knobs):
+    """The description with every knob's actual value, defaults too."""
+    passes = [
+        {**entry, "knobs": knobs.get(entry["name"], entry.get("knobs", {}))}
+        for entry in description["passes"]
+    ]
+    return {**description, "passes": passes}

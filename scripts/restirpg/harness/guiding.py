@@ -1,0 +1,216 @@
+"""What is in the guiding grid's buffers (framework/shaders/guiding_grid_types.h, path_vertex_types.h), for
+scripts and tests to read.
+
+Tables are dictionaries from key to records. Positions and lengths in m, densities in 1/sr.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from restirpg.harness import UserError
+
+VERTEX = np.dtype([("position", "<u8"), ("direction", "<u4"), ("surface", "<u4")])
+SAMPLE = np.dtype(
+    [("position", "<u8"), ("direction", "<u4"), ("surface", "<u4"), ("weight", "<f4"), ("distance", "<f4")]
+)
+HEADER = np.dtype(
+    [
+        ("camera", "<f4", 3),
+        ("scale", "<f4"),
+        ("origin", "<f4", 3),
+        ("smallest", "<f4"),
+        ("capacity", "<u4"),
+        ("options", "<u4"),
+        ("cells", "<u4"),
+        ("collisions", "<u4"),
+        ("failed", "<u4"),
+        ("samples", "<u4"),
+        ("fitted", "<u4"),
+        ("guiding", "<u4"),
+        ("unused", "<u4", 4),
+    ]
+)
+SUMS = np.dtype([("lanes", "<i8", 16), ("strangest", "<u8"), ("bsdf", "<i8"), ("count", "<u4"), ("unused", "<u4")])
+PLACES = np.dtype([("lanes", "<i8", 7)])
+CELL = np.dtype(
+    [
+        ("lobes", [("direction", "<u4"), ("kappa", "<f4"), ("weight", "<f4")], 4),
+        ("age", "<u2"),
+        ("alpha", "<u2"),  # in 65535ths
+        ("samples", "<f4"),
+    ]
+)
+MEMORY = np.dtype([("sums", "<f4", 16), ("bsdf", "<f4"), ("count", "<f4"), ("places", "<f4", 7)])
+
+FINAL, LIGHT_SAMPLED = 1 << 16, 1 << 17  # of `surface`
+LEARNS_ALPHA = 4  # of a header's `options`
+LOBES = 4
+
+
+def header_of(raw):
+    """The header of a buffer of the guiding grid's form."""
+    return raw[: HEADER.itemsize].view(HEADER)[0]
+
+
+def read_table(raw, *records):
+    """Header and {key: one record of each kind} of a buffer of the guiding grid's form."""
+    header = header_of(raw)
+    capacity, at = int(header["capacity"]), HEADER.itemsize
+    columns = []
+    for dtype in (np.dtype("<u8"), *records):
+        columns.append(raw[at : at + capacity * dtype.itemsize].view(dtype))
+        at += capacity * dtype.itemsize
+    assert at == len(raw), "the buffer holds other records than these"
+    slots = np.flatnonzero(columns[0])
+    table = {int(columns[0][s]): tuple(column[s] for column in columns[1:]) for s in slots}
+    assert len(table) == len(slots), "a key stands in two slots"
+    return header, table, columns[0]
+
+
+def is_valid(vertices):
+    """Which of VERTEX or SAMPLE records hold a bounce."""
+    return vertices["position"] >> np.uint64(63) != 0
+
+
+def vertex_face(vertices):
+    """Face of the normal, 0 to 5: 2 axis + (1 when negative)."""
+    return (vertices["position"] >> np.uint64(60) & np.uint64(7)).astype(int)
+
+
+def vertex_density(vertices):
+    """The BSDF's own density of the direction, 1/sr."""
+    return 2.0 ** (((vertices["surface"] >> 18 & 127).astype(float) - 64) / 4)
+
+
+def vertex_scatter(vertices):
+    """Luminance of f |cos|."""
+    return 2.0 ** (((vertices["surface"] >> 25).astype(float) - 64) / 4)
+
+
+def unpack_direction(bits):
+    """Unit vectors (..., 3) of packed octahedral directions."""
+    bits = np.asarray(bits, np.uint32)
+    halves = np.stack([bits & 0xFFFF, bits >> 16], -1).astype(np.uint16).view(np.int16)
+    p = np.maximum(halves / 32767.0, -1.0)
+    z = 1 - np.abs(p).sum(-1)
+    folded = (1 - np.abs(p[..., ::-1])) * np.where(p >= 0, 1, -1)
+    w = np.concatenate([np.where((z < 0)[..., None], folded, p), z[..., None]], -1)
+    return w / np.linalg.norm(w, axis=-1, keepdims=True)
+
+
+@dataclass
+class Grid:
+    """Keys of a frame: `camera` (3,), `scale`: largest side over distance, `origin` (3,), `smallest` side, m,
+    `radius` of the scene, m: the grid's cube has 4 of it, from `origin` on."""
+
+    camera: np.ndarray
+    scale: float
+    origin: np.ndarray
+    smallest: float
+    radius: float
+
+    def positions(self, packed):
+        """Points (n, 3) of positions of 3 x 20 bits."""
+        packed = np.asarray(packed, np.uint64)
+        steps = [packed >> np.uint64(20 * axis) & np.uint64(0xFFFFF) for axis in range(3)]
+        return self.origin + (np.stack(steps, -1).astype(float) + 0.5) / 2**20 * 4 * self.radius
+
+    def keys(self, points, face, material):
+        """Keys (n,) and whether rounding may make the GPU see another cell: within 1e-6 radii of a border, or
+        1e-5 of a level."""
+        exact = np.log2(self.scale * np.linalg.norm(points - self.camera, axis=-1) / self.smallest)
+        level = np.clip(np.floor(exact), 0, 31).astype(int)
+        place = np.maximum((points - self.origin) / self.side(level)[:, None], 0)
+        index = place.astype(np.uint64) & np.uint64(0x1FFF)
+        key = index[:, 0] | index[:, 1] << np.uint64(13) | index[:, 2] << np.uint64(26)
+        for value, shift in ((level, 39), (face, 44), (material & 0xFFFF, 47)):
+            key = key | np.asarray(value).astype(np.uint64) << np.uint64(shift)
+        near = np.abs(place - np.round(place)) * self.side(level)[:, None] < 1e-6 * self.radius
+        return key | np.uint64(1 << 63), near.any(-1) | (np.abs(exact - np.round(exact)) < 1e-5)
+
+    def side(self, level):
+        return self.smallest * 2.0 ** np.asarray(level)
+
+    def center(self, key):
+        index = np.array([key >> shift & 0x1FFF for shift in (0, 13, 26)])
+        return self.origin + (index + 0.5) * self.side(level_of(key))
+
+
+def level_of(key):
+    return key >> 39 & 31
+
+
+def face_of(key):
+    return key >> 44 & 7
+
+
+def material_of(key):
+    return key >> 47 & 0xFFFF
+
+
+def grid_of(header, smallest_cell):
+    """The Grid of a buffer's header; `smallest_cell`: the knob of the GuidingSplat, in radii."""
+    return Grid(
+        header["camera"].astype(float),
+        float(header["scale"]),
+        header["origin"].astype(float),
+        float(header["smallest"]),
+        float(header["smallest"]) / smallest_cell,
+    )
+
+
+def passes_of(description, *types):
+    """Names of a graph's passes of these types, the last of each; raises UserError where it has none."""
+    names = {entry["type"]: entry["name"] for entry in description["passes"]}
+    if missing := [kind for kind in types if kind not in names]:
+        raise UserError(f"graph '{description.get('name')}': it has no pass of type {', '.join(missing)}")
+    return [names[kind] for kind in types]
+
+
+class GuidedGraph:
+    """Names of the passes by which a graph's description guides."""
+
+    def __init__(self, description):
+        types = ("GBuffer", "PathTracerGuided", "ReSTIRReuse", "GuidingSplat", "GuidingFit")
+        self.gbuffer, self.paths, self.reuse, self.splat, self.fit = passes_of(description, *types)
+
+    def grid(self, renderer):
+        """The Grid of the renderer's last frame."""
+        header = header_of(renderer.read_port(f"{self.splat}.statistics"))
+        return grid_of(header, renderer.get(f"{self.splat}.smallest_cell"))
+
+
+@dataclass
+class Mixture:
+    """Lobes: `mu` (4, 3), `kappa` (4,), `weight` (4,)."""
+
+    mu: np.ndarray
+    kappa: np.ndarray
+    weight: np.ndarray
+
+    def log_lobes(self, w):
+        """log(pi_k v_k(w)), (n, 4).  [shaders/README: The von Mises-Fisher distribution]"""
+        k = np.maximum(self.kappa, 1e-12)
+        normalization = np.log(k / (2 * np.pi * -np.expm1(-2 * k)))
+        distance = ((w[:, None] - self.mu) ** 2).sum(-1)
+        return np.log(np.maximum(self.weight, 1e-30)) + normalization - 0.5 * self.kappa * distance
+
+    def log_density(self, w):
+        return np.logaddexp.reduce(self.log_lobes(w), -1)
+
+    def shares(self, w):
+        """Responsibilities, (n, 4).  [shaders/README: The E-step]"""
+        return np.exp(self.log_lobes(w) - self.log_density(w)[:, None])
+
+
+def alpha_of(cell):
+    """Probability of the BSDF that a cell has learnt."""
+    return int(cell["alpha"]) / 65535
+
+
+def mixture_of(cell):
+    lobes = cell["lobes"]
+    return Mixture(
+        unpack_direction(lobes["direction"]), lobes["kappa"].astype(float), lobes["weight"].astype(float)
+    )

@@ -1,0 +1,131 @@
+"""One run of a job: frame after frame, timed, measured against the reference."""
+
+import json
+import time
+
+import numpy as np
+
+import restirpg
+from restirpg.harness.render import Renderers, dropped_samples, is_running_mean
+
+ERRORS = ("mape", "relmse", "rmse", "bias", "invalid")
+
+
+def run(job, load=lambda key: None, tick=lambda frames: None, renderers=None):
+    """Render the job, and measure its errors where it names references.
+
+    load: gives the reference of a key, a result with `mean`. tick: called with 0 before the renderer is made, which
+    may have to compile kernels first, and with 1 after each frame. renderers: where the job's renderer may be
+    found, and stays.
+    Returns arrays, one entry for each of job.frames_measured(): `frames`, `mape`, `relmse`, `rmse`, `bias`,
+    `invalid`, `frame_mape` (of that frame alone, NaN where it is not known), `gpu_ms` and `wall_ms` (both
+    summed since the start); `image` and `frame` (float32, H x W x 3: the output after the last frame, and what
+    the last frame alone added to it; with job.at the latter is what is measured, and both); `temporal`, see
+    TemporalSums; and `meta`.
+    """
+    tick(0)
+    renderer, home = (renderers or Renderers()).begin(job)
+    pictures, measured = _Pictures(renderer, job), job.frames_measured()
+    read = {*measured, *(frame - 1 for frame in job.at)}
+    errors, wall = _Errors(load), 0.0
+    for frame in range(1, measured[-1] + 1):
+        if job.motion:
+            job.motion.apply(renderer, home, job.still or frame)
+        start = time.perf_counter()
+        renderer.render(1)
+        wall += 1e3 * (time.perf_counter() - start)
+        tick(1)
+        if frame not in read:
+            continue
+        image, alone = pictures.after(frame)
+        image = alone if job.at else image
+        if frame in measured and job.reference_of(frame):
+            errors.add(job.reference_of(frame), frame, image, alone)
+            errors.times.append([sum(renderer.total_gpu_times().values()), wall])
+    return {
+        "frames": np.array(measured),
+        **errors.columns(),
+        "image": image,
+        "frame": image if alone is None else alone,
+        "temporal": errors.temporal.sums,
+        "meta": {
+            "passes": {name: ms / frame for name, ms in renderer.total_gpu_times().items()},
+            "memory": dict(renderer.memory()),
+            "device": dict(renderer.device_info),
+            "knobs": renderer.knobs(),
+            "running_mean": pictures.running_mean,
+            "wall_ms": wall,
+            "invalid": int(np.sum(~np.isfinite(image).all(axis=-1))),
+            "dropped": dropped_samples(renderer),
+        },
+    }
+
+
+class _Pictures:
+    """Reads the job's output."""
+
+    def __init__(self, renderer, job):
+        self._renderer, self._job = renderer, job
+        self._last = 0, 0.0  # frame and image
+        self.running_mean = is_running_mean(json.loads(job.description), job.output)
+
+    def after(self, frame):
+        """The output, and what this frame alone added to it: None where the one before was not read."""
+        image = np.asarray(self._renderer.output(self._job.output), np.float32)[..., :3]
+        image = image * np.float32(self._job.gain)
+        alone, (before, mean) = image, self._last
+        if self.running_mean:  # the mean of n frames times n, less the same of n - 1 frames
+            alone = image * frame - mean * before if before == frame - 1 else None
+        self._last = frame, image
+        return image, alone
+
+
+class _Errors:
+    """Rows of errors and times, one a measured frame."""
+
+    def __init__(self, load):
+        self._load, self._key, self._truth = load, None, None
+        self._rows, self._frame = [], 0
+        self.times, self.temporal = [], TemporalSums()
+
+    def add(self, key, frame, image, alone):
+        """Measure a picture against the reference of that key."""
+        if key != self._key:
+            self._key, self._truth = key, self._load(key)["mean"]
+        found = restirpg.measure_errors(image, self._truth)
+        single = restirpg.measure_errors(alone, self._truth)["mape"] if alone is not None else np.nan
+        self._rows.append([*(found[name] for name in ERRORS), single])
+        self.temporal.add(alone, self._truth, consecutive=frame == self._frame + 1)
+        self._frame = frame
+
+    def columns(self):
+        """Arrays by name."""
+        rows = np.array(self._rows, float).reshape(-1, len(ERRORS) + 1).T
+        times = np.array(self.times, float).reshape(-1, 2).T
+        return dict(zip((*ERRORS, "frame_mape", "gpu_ms", "wall_ms"), (*rows, *times)))
+
+
+class TemporalSums:
+    """Sums for the autocorrelation at lag 1 of a pixel's single frames, as deviations from the reference.
+
+    `sums` = [sum of e_t e_(t+1), its number of terms, sum of e_t^2, its number of terms], over pixels,
+    luminance.
+    """
+
+    WEIGHTS = np.array([0.2126, 0.7152, 0.0722], np.float32)
+
+    def __init__(self):
+        self._previous = None
+        self.sums = np.zeros(4)
+
+    def add(self, frame, reference, consecutive):
+        """Add a frame, or None where it is not known; `consecutive`: it follows the one added last."""
+        if frame is None:
+            self._previous = None
+            return
+        deviation = ((frame - reference) @ self.WEIGHTS).astype(float)
+        deviation[~np.isfinite(deviation)] = 0
+        if consecutive and self._previous is not None:
+            self.sums[:2] += np.sum(deviation * self._previous), deviation.size
+        self.sums[2:] += np.sum(deviation**2), deviation.size
+        self._previous = deviation

@@ -1,0 +1,56 @@
+"""Table 1: samples a cell of the guiding grid gets in a frame, from what ReSTIR selects and from raw
+candidates."""
+
+from restirpg.harness import cell_counts
+from restirpg.harness.jobs import seed_of
+from restirpg.harness.paper.page import Section, Table, estimate
+from restirpg.harness.paper.paper import OURS, name_of
+
+AVERAGES = ("own cells", "cells of either", "sample-weighted")
+PAPER = (
+    "The paper has 3055 / 164 in Veach Ajar, 3326 / 1372 in Veach Bidir Room, 2282 / 95 in Living Room, at "
+    "1920x1080."
+)
+
+
+def cell_call(paper, scene, **settings):
+    """What is counted in a scene, for all seeds; `settings` as a `size` of its own."""
+    return paper.call(
+        cell_counts.measure,
+        scene,
+        OURS.graph,
+        seeds=[seed_of("cells", number) for number in range(paper.size.seeds)],
+        first=min(8, paper.size.frames),
+        last=min(12, paper.size.frames),
+        **settings,
+    )
+
+
+def row_of(scene, averages):
+    """ReSTIR, raw and their ratio for each average, over seeds. averages: (seeds, frames, 2, 3)."""
+    means = averages.mean(1)
+    row = [scene]
+    for at in range(len(AVERAGES)):
+        restir, raw = means[:, 0, at], means[:, 1, at]
+        row += [estimate(values) for values in (restir, raw, restir / raw)]
+    return row
+
+
+def run(paper):
+    """Measure and tabulate."""
+    rows = []
+    scenes = paper.scenes()
+    for scene, answer in zip(scenes, paper.answers([cell_call(paper, scene) for scene in scenes])):
+        if answer:
+            rows.append(row_of(name_of(scene), answer["averages"]))
+    header = ["scene"]
+    for average in AVERAGES:
+        header += [f"ReSTIR, {average}", f"raw, {average}", f"ratio, {average}"]
+    text = (
+        "Bounces of paths that carry light, a frame and a cell; candidates are unguided, so that both see "
+        "the same frames. The paper does not say what it averages over: given are the means over the cells "
+        "that a method touched, over those that either did, and weighted by the samples (what a sample "
+        f"sees). {PAPER}"
+    )
+    table = Table("table_1", "Table 1: samples a cell and frame", tuple(header), rows)
+    return Section("Table 1: samples a cell", text, tables=[table])

@@ -1,0 +1,245 @@
+"""The report: one HTML file that needs no network, and the pictures as EXR."""
+
+import base64
+import datetime
+import difflib
+import json
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import jinja2
+import numpy as np
+
+from restirpg.harness import files, plots, render, tables
+from restirpg.harness import statistics as st
+from restirpg.harness.jobs import file_name
+
+FOLDER = Path(__file__).resolve().parent
+# Bytes of half floats in one report; single frames and means of seeds are left out first.
+PICTURE_BUDGET = 96 << 20
+KINDS = {"image": "picture (first seed)", "mean": "mean of all seeds", "frame": "last frame alone"}
+
+
+def _half(image):
+    """A float image as base64 of half floats, row by row, three channels; clipped to what a half can hold."""
+    halves = np.clip(np.nan_to_num(image, nan=0), -65504, 65504).astype("<f2")
+    return base64.b64encode(halves.tobytes()).decode()
+
+
+def _kinds_within_budget(findings):
+    pixels = sum(method.images["image"].size * 2 for scene in findings for method in scene.methods)
+    return [kind for number, kind in enumerate(KINDS, 1) if number == 1 or number * pixels <= PICTURE_BUDGET]
+
+
+def _viewer_data(scene, kinds):
+    """What viewer.js shows of a scene: see its head for the format."""
+    truth = scene.reference["mean"].astype(float)
+    y = st.luminance(truth)
+    error = np.array(
+        [
+            np.abs(method.images["image"] - truth) / (0.01 * y.mean() + y)[..., None]
+            for method in scene.methods
+        ]
+    )
+    exposure = -float(np.log2(max(np.percentile(y, 90), 1e-6))) - 1
+    pictures = [{"label": "reference", "image": _half(truth)}]
+    pictures += [
+        {"label": method.label, **{kind: _half(method.images[kind]) for kind in kinds}}
+        for method in scene.methods
+    ]
+    return {
+        "width": truth.shape[1],
+        "height": truth.shape[0],
+        "floor": 0.01 * float(y.mean()),
+        "exposure": round(exposure, 1),
+        "scale": max(float(np.percentile(np.nan_to_num(error.mean(axis=-1)), 98)), 1e-6),
+        "pictures": pictures,
+    }
+
+
+def graph_lines(description):
+    """A graph as lines of text: a pass and its type, then its wiring and its knobs."""
+    lines = []
+    for entry in description["passes"]:
+        lines.append(f"{entry['name']}: {entry['type']}")
+        for name, source in sorted(entry.get("inputs", {}).items()):
+            wired = f"{source['pass']}.{source['output']}" if source else "nothing"
+            lines.append(f"    {name} <- {f'prev({wired})' if source and source.get('delayed') else wired}")
+        lines += [
+            f"    {name} = {json.dumps(value)}" for name, value in sorted(entry.get("knobs", {}).items())
+        ]
+    return lines + [
+        f"output {entry['name']} <- {entry['pass']}.{entry['output']}" for entry in description["outputs"]
+    ]
+
+
+def side_by_side(left, right):
+    """Rows (left line, right line, differs) of two lists of lines; "" where a side has no such line."""
+    rows = []
+    for kind, a, b, c, d in difflib.SequenceMatcher(None, left, right, autojunk=False).get_opcodes():
+        for offset in range(max(b - a, d - c)):
+            rows.append(
+                (
+                    left[a + offset] if a + offset < b else "",
+                    right[c + offset] if c + offset < d else "",
+                    kind != "equal",
+                )
+            )
+    return rows
+
+
+def _graphs(scene):
+    """[(baseline's label, method's label, rows)]; a single method beside itself."""
+    labels = list(scene.descriptions)
+    first = graph_lines(scene.descriptions[labels[0]])
+    return [
+        (labels[0], label, side_by_side(first, graph_lines(scene.descriptions[label])))
+        for label in labels[1:] or labels
+    ]
+
+
+def commit():
+    """The repository's commit, with "+ changes" when the working tree differs from it."""
+
+    def git(*arguments):
+        try:
+            run = subprocess.run(["git", "-C", str(render.ROOT), *arguments], capture_output=True, text=True)
+        except OSError:  # git is not installed
+            return ""
+        return run.stdout.strip() if run.returncode == 0 else ""
+
+    name = git("rev-parse", "--short=12", "HEAD")
+    return (
+        name + (" + changes" if name and git("status", "--porcelain", "--untracked-files=no") else "")
+        or "unknown"
+    )
+
+
+def provenance(program, code, devices):
+    """[(name, value)] of what every report tells: how, when and from what it was made. `devices`: as probed."""
+    names = sorted(
+        {", ".join(str(device[key]) for key in ("name", "driver", "backend")) for device in devices}
+    )
+    return [
+        ("command", shlex.join([program, *sys.argv[1:]])),
+        ("written", datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC")),
+        ("commit", commit()),
+        ("code hash", code),
+        ("device", "; ".join(names)),
+    ]
+
+
+def _motion(settings):
+    """[(name, value)] of what moved and which frames were measured."""
+    motion, rows = settings.motion, []
+    if settings.at:
+        rows.append(("single frames measured", ", ".join(map(str, settings.at))))
+    if motion:
+        rows.append(("motion", f"animation at {motion.fps:g} frames a second, camera on a circle of {motion.circle:g} m"))
+    return rows
+
+
+#: What the material model does with light that a rough surface scatters more than once.
+ENERGY = {
+    False: "single-scattering GGX, as in the code of the paper: the roughest white metal returns 0.40",
+    True: "energy-compensated GGX (Kulla & Conty 2017): a white metal returns 1",
+}
+
+
+def _provenance(settings, comparison):
+    rows = provenance("scripts/compare.py", comparison.code, comparison.device.values())
+    rows += [
+        (
+            "size, frames, seeds",
+            f"{settings.size[0]}x{settings.size[1]}, {settings.frames}, {settings.seeds}",
+        ),
+        *_motion(settings),
+        ("seeds", ", ".join(map(str, comparison.seeds()))),
+        ("rough surfaces", ENERGY[settings.energy_compensation]),
+        ("bounce cap", "the scene's or the graph's own" if settings.bounces is None else str(settings.bounces)),
+    ]
+    rows += [
+        (
+            f"method {method.label}",
+            " ".join([method.graph, *(f"{name}={value}" for name, value in method.knobs)]),
+        )
+        for method in settings.methods
+    ]
+    return rows + [
+        (f"scene {plan['scene']}", f"content {plan['methods'][0].scene_hash}") for plan in comparison.plans
+    ]
+
+
+def template(name):
+    """A template of this folder; a name that it does not know is an error."""
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(FOLDER),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    return environment.get_template(name)
+
+
+def scene_views(findings):
+    """What scene.html.j2 shows: (one dictionary a scene, what all scenes of the page share)."""
+    kinds = _kinds_within_budget(findings)
+    scenes = [
+        {
+            "name": scene.scene,
+            "findings": scene,
+            "verdict": tables.verdict_lines(scene),
+            "reference": tables.reference_line(scene),
+            "tables": [*tables.error_tables(scene), tables.quality_table(scene)],
+            "graphs": _graphs(scene),
+            "charts": [
+                (title, base64.b64encode(svg.encode()).decode()) for title, svg in plots.charts(scene)
+            ],
+            "data": json.dumps(_viewer_data(scene, kinds)).replace("<", "\\u003c"),
+        }
+        for scene in findings
+    ]
+    maps = {"error": plots.colour_map("inferno"), "signed": plots.colour_map("RdBu_r")}
+    return scenes, {
+        "style": (FOLDER / "report.css").read_text(),
+        "script": (FOLDER / "viewer.js").read_text(),
+        "maps": json.dumps(maps),
+        "kinds": {kind: KINDS[kind] for kind in kinds},
+        "left_out": [KINDS[kind] for kind in KINDS if kind not in kinds],
+        "significant": tables.is_significant,
+        "level": 100 * st.LEVEL,
+    }
+
+
+def write(findings, settings, comparison, file):
+    """Write the report of `findings` to `file`."""
+    scenes, shared = scene_views(findings)
+    text = template("report.html.j2").render(
+        title=", ".join(method.label for method in settings.methods),
+        scenes=scenes,
+        failures=comparison.failures,
+        provenance=_provenance(settings, comparison),
+        **shared,
+    )
+    files.write(file, text)
+
+
+def write_pictures(findings, folder):
+    """Write SCENE.METHOD.exr, references too: the first seed's picture, and the seeds' mean as a layer."""
+    files.make_folder(folder, "--out")
+    for scene in findings:
+        stem = Path(scene.scene).stem
+        render.write_exr(
+            folder / f"{stem}.reference.exr",
+            {"": scene.reference["mean"]},
+            {"reference": json.dumps(scene.reference["meta"])},
+        )
+        for method in scene.methods:
+            render.write_exr(
+                folder / f"{stem}.{file_name(method.label)}.exr",
+                {"": method.images["image"], "mean": method.images["mean"]},
+                {"graph": json.dumps(scene.descriptions[method.label])},
+            )

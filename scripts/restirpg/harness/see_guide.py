@@ -1,0 +1,98 @@
+"""See what guides the paths at some pixels: fitted lobes, the directions they were fitted to, and the true
+product rho L_i cos.
+
+    scripts/see_guide.py --scene FILE --pixel X Y [--pixel X Y ...]
+        [--graph graphs/restir_pg.py]
+        [--frames 64] [--size 160x90] [--cell-size 0.05] [--raw] [--allow-outside] [-o out/guide.png] [--markdown FILE]
+
+One row of maps a pixel, each the hemisphere about the surface's normal: azimuth to the right, cosine
+downwards from 1 to 0, so that equal areas are equal solid angles. The product is a render of what the point
+sees (five faces of a cube, path traced with one bounce less, without what is emitted towards the point
+itself: direct light is not ReSTIR PT's); it stands for the product on diffuse surfaces alone. Printed are the
+Kullback-Leibler divergence of the directions' histogram from the product, the same for as many independent
+draws from the product itself (the least that chance allows), and chi-square over its degrees of freedom,
+against the count of samples. [Zeng et al. 2025, figure 4]
+
+--raw: instead of the vertices of the paths that were selected, those of raw unguided path trees, weighted by
+light, BSDF and cosine.
+"""
+
+import argparse
+import io
+from pathlib import Path
+
+import numpy as np
+
+import restirpg
+from restirpg.harness import files, program, render
+
+
+def parse(arguments):
+    """The command line as a namespace."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--scene", type=Path, required=True)
+    program.add_allow_outside(parser)
+    parser.add_argument("--pixel", type=int, nargs=2, action="append", required=True)
+    parser.add_argument("--graph", type=Path, default=render.ROOT / "graphs" / "restir_pg.py")
+    parser.add_argument("--frames", type=program.positive, default=64)
+    parser.add_argument("--size", type=program.size, default=(160, 90))
+    parser.add_argument("--cell-size", type=program.length, default=0.05)
+    parser.add_argument("--raw", action="store_true")
+    parser.add_argument("--markdown", type=Path)
+    parser.add_argument("-o", type=Path, default=Path("out/guide.png"))
+    return parser.parse_args(arguments)
+
+
+def see(arguments):
+    """Learn, print the table and draw the maps."""
+    from restirpg.harness import guide_maps
+
+    scene = restirpg.load_scene(arguments.scene, allow_outside=arguments.allow_outside)
+    learner = guide_maps.Learner(
+        scene,
+        restirpg.load_graph(arguments.graph).description,
+        arguments.pixel,
+        arguments.size,
+        cell_size=arguments.cell_size,
+        raw=arguments.raw,
+    )
+    points, samples, mixtures = learner.run(arguments.frames)
+    lines, maps, random = [], [], np.random.default_rng(1)
+    products = guide_maps.products_at(points, scene, scene.bounce_cap or 8)
+    for pixel, point, product, mine, mixture in zip(arguments.pixel, points, products, samples, mixtures):
+        for frames, count, effective, histogram in guide_maps.histograms(mine, point):
+            row = (frames, count, effective, *guide_maps.score(histogram, effective, product, random))
+            lines.append("| {} {} | {} | {} | {:.0f} | {:.3f} | {:.3f} | {:.1f} |".format(*pixel, *row))
+        directions = point.histogram(
+            np.concatenate([d for d, _ in mine]), np.concatenate([w for _, w in mine])
+        )
+        lobes = guide_maps.lobes_in(mixture, point) if mixture else None
+        maps.append((f"pixel {pixel[0]} {pixel[1]}", (product, directions, lobes)))
+    head = [
+        "| pixel | frames | samples | effective | KL | KL by chance | chi-square / dof |",
+        "| --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    print("\n".join(head + lines))
+    if arguments.markdown:
+        files.write(arguments.markdown, "\n".join(head + lines) + "\n")
+    picture = io.BytesIO()
+    guide_maps.draw(maps, ("L_i cos", "directions", "fitted lobes")).savefig(picture, format="png", dpi=90)
+    files.write(arguments.o, picture.getvalue())
+    return 0
+
+
+def main(arguments):
+    """The command line. Returns the exit code."""
+    arguments = parse(arguments)
+
+    def body(_):
+        render.find_package()
+        for file, option in ((arguments.o, "-o"), (arguments.markdown, "--markdown")):
+            if file:
+                files.prepare(file, [arguments.scene, arguments.graph], option)
+        with render.refusals():
+            return see(arguments)
+
+    return program.run("see_guide.py", body)

@@ -1,0 +1,336 @@
+"""Findings as rows of text: for the terminal, the CSV files and the report."""
+
+import csv
+import io
+import math
+from pathlib import Path
+
+import rich.box
+from rich.console import Console
+from rich.table import Table
+
+from restirpg.harness import files
+from restirpg.harness import statistics as st
+from restirpg.harness.analysis import METRICS, SETTLED
+
+TITLES = {"mape": "MAPE", "relmse": "relMSE", "bias": "bias"}
+
+
+def with_error(value, error, scale=1.0, unit=""):
+    """`1.234 ± 0.012`: the error to two digits, the value to as many places."""
+    value, error = value * scale, error * scale
+    if math.isnan(value):
+        return "—"
+    if math.isnan(error) or error <= 0:
+        return f"{value:.4g}{unit}"
+    places = min(12, max(0, 1 - math.floor(math.log10(error))))
+    if places > 6:
+        return f"{value:.3g} ± {error:.1g}{unit}"
+    return f"{value:.{places}f} ± {error:.{places}f}{unit}"
+
+
+def error_of(method, metric, mode):
+    """Mean and standard error over seeds: after the last frame ("frame"), at equal "time", of "single" frames
+    (MAPE alone), or at a frame."""
+    if mode == "single":
+        return st.mean_se(method.single)
+    if mode in ("frame", "time"):
+        return (method.equal_frame if mode == "frame" else method.equal_time)[metric]
+    return st.mean_se(method.curves[metric][:, list(method.frames).index(mode)])
+
+
+def verdict(method, baseline, metric, mode):
+    """The method's error against the baseline's: ratio of means, and a word that needs p < LEVEL."""
+    kind = (metric, mode)
+    if not method.against:
+        return "baseline"
+    own, other = (error_of(each, metric, mode)[0] for each in (method, baseline))
+    ratio = f"×{own / other:.3f} " if other > 0 and own > 0 else ""
+    p = method.adjusted[kind]
+    if math.isnan(p):
+        return f"{ratio}not tested"
+    if p >= st.LEVEL:
+        return f"{ratio}not different (p = {p:.2g})"
+    return f"{ratio}{'lower' if method.against[kind].difference < 0 else 'higher'} (p = {max(p, 1e-99):.2g})"
+
+
+def is_significant(text):
+    """Whether a cell claims a difference."""
+    return any(word in text for word in ("lower (", "higher (", "biased ("))
+
+
+def bias_verdict(method):
+    """Whether the bias of the picture's mean differs from none."""
+    p = method.adjusted["bias"]
+    if math.isnan(p):
+        return "not tested"
+    return f"{'biased' if p < st.LEVEL else 'none found'} (p = {max(p, 1e-99):.2g})"
+
+
+def block_cell(method):
+    """How many 8x8 blocks are biased after correction over all blocks, methods and scenes."""
+    p = method.adjusted["blocks"]
+    if math.isnan(p):
+        return "not tested"
+    if p >= st.LEVEL:
+        return f"none of {method.block_p.size} (p = {p:.2g})"
+    count = int((method.block_p * method.block_p.size < st.LEVEL).sum())
+    return f"{count} of {method.block_p.size} biased (p = {max(p, 1e-99):.2g})"
+
+
+def equal_tables(scene):
+    """[(title, header, rows)] of the errors at equal frames, of single frames, and at equal time."""
+    tables = []
+    frames = int(scene.methods[0].frames[-1])
+    for mode, title in (
+        ("frame", f"Equal frames: after {frames}"),
+        ("time", f"Equal time: after {scene.common_ms / 1e3:.3g} s of GPU time"),
+    ):
+        header, rows = ["method"], []
+        header += [text for metric in METRICS for text in (TITLES[metric], "against the first")]
+        header += ["GPU ms/frame", "wall ms/frame"] if mode == "frame" else ["frames"]
+        for method in scene.methods:
+            values = method.equal_frame if mode == "frame" else method.equal_time
+            row = [method.label]
+            for metric in METRICS:
+                scale, unit = (100, "%") if metric == "mape" else (1, "")
+                row += [
+                    with_error(*values[metric], scale, unit),
+                    verdict(method, scene.methods[0], metric, mode),
+                ]
+            if mode == "frame":
+                row += [
+                    with_error(*st.mean_se(times[:, -1] / frames))
+                    for times in (method.gpu_ms, method.wall_ms)
+                ]
+            else:
+                frames_then = [st.at_time(times, method.frames, scene.common_ms) for times in method.gpu_ms]
+                row.append(f"{sum(frames_then) / len(frames_then):.3g}")
+            rows.append(row)
+        tables.append((title, header, rows))
+    rows = [
+        [
+            method.label,
+            with_error(*st.mean_se(method.single), 100, "%"),
+            verdict(method, scene.methods[0], "mape", "single"),
+        ]
+        for method in scene.methods
+    ]
+    title = f"Single frames: the last {100 * SETTLED:.0f}% of the run"
+    tables.insert(1, (title, ["method", "MAPE", "against the first"], rows))
+    return tables
+
+
+def _test_of(scene, frame):
+    """The name that the tests of a measured frame have."""
+    return "frame" if frame == scene.at[-1] else frame
+
+
+def _single_frame_tables(scene):
+    """[(title, header, rows)] of the errors of single frames, a row each, and of what a frame costs."""
+    tables, baseline = [], scene.methods[0]
+    for metric in METRICS:
+        scale, unit = (100, "%") if metric == "mape" else (1, "")
+        rows = []
+        for frame in scene.at:
+            row = [str(frame)]
+            for method in scene.methods:
+                row.append(with_error(*error_of(method, metric, frame), scale, unit))
+                if method is not baseline:
+                    text = verdict(method, baseline, metric, _test_of(scene, frame))
+                    row.append(text if is_significant(text) else text.split()[0] if text[0] == "×" else "—")
+            rows.append(row)
+        header = ["frame", baseline.label]
+        header += [text for method in scene.methods[1:] for text in (method.label, "to the first")]
+        tables.append((f"{TITLES[metric]} of single frames", header, rows))
+    costs = [
+        [method.label, *(with_error(*st.mean_se(times[:, -1] / method.frames[-1])) for times in
+                         (method.gpu_ms, method.wall_ms))]
+        for method in scene.methods
+    ]
+    return [*tables, ("Cost", ["method", "GPU ms/frame", "wall ms/frame"], costs)]
+
+
+def error_tables(scene):
+    """[(title, header, rows)] of the errors: of single frames, or at equal frames and at equal time."""
+    return _single_frame_tables(scene) if scene.at else equal_tables(scene)
+
+
+def _compared_in_words(method, baseline, mode):
+    """`NAME errs 5.4% less (p = 0.01)`, or that no difference is known."""
+    p = method.adjusted.get(("mape", mode), float("nan"))
+    own, other = (error_of(each, "mape", mode)[0] for each in (method, baseline))
+    if not p < st.LEVEL or not other > 0:
+        return f"{method.label} is not told apart from it"
+    return f"{method.label} errs {100 * abs(1 - own / other):.2g}% {'less' if own < other else 'more'} (p = {max(p, 1e-99):.1g})"
+
+
+def verdict_lines(scene):
+    """What was found, in a sentence a way of comparing: MAPE against the first method, all others named."""
+    baseline, *others = scene.methods
+    if not others:
+        return []
+    ways = [(_test_of(scene, scene.at[-1]), f"In frame {scene.at[-1]}")] if scene.at else [
+        ("single", "In single frames"), ("time", f"At equal time ({scene.common_ms / 1e3:.3g} s of GPU time)")]
+    return [f"{words}, against {baseline.label} and by {scene.seeds} seeds: " +
+            "; ".join(_compared_in_words(method, baseline, mode) for method in others) + "."
+            for mode, words in ways]
+
+
+def quality_table(scene):
+    """(title, header, rows) of bias and correlation."""
+    header = [
+        "method",
+        "bias of the mean",
+        "tested",
+        "smallest detectable",
+        "8×8 blocks",
+        "blotches, one frame",
+        "blotches, picture",
+        "boiling, lag 1",
+    ]
+    rows = [
+        [
+            method.label,
+            with_error(method.bias.difference, method.bias.se, 100, "%"),
+            bias_verdict(method),
+            f"{100 * method.bias.smallest_detectable(scene.bias_tests):.2g}%" if method.bias.dof else "—",
+            block_cell(method),
+            with_error(*method.spatial_frame),
+            with_error(*method.spatial_image),
+            with_error(*method.temporal),
+        ]
+        for method in scene.methods
+    ]
+    return "Bias and correlation" + (f" of frame {scene.at[-1]}" if scene.at else ""), header, rows
+
+
+def reference_line(scene):
+    """What is known of the reference, in one line."""
+    meta = scene.reference["meta"]
+    if not meta["batches"]:
+        return f"reference: {meta['source']}, taken as exact: its own error is not known"
+    return (
+        f"reference{f' of frame {scene.at[-1]}' if scene.at else ''}: {meta['source']}, "
+        f"{meta['batches']} batches of {meta['frames']} frames; "
+        f"standard error of its mean {100 * scene.noise['relative_se']:.2g}%; "
+        f"its noise is {scene.noise['relmse']:.2g} of relMSE (subtracted) and a floor of "
+        f"{100 * scene.noise['mape']:.2g}% under MAPE (not subtracted)"
+    )
+
+
+def as_text(findings, width=None):
+    """The tables of all scenes for a terminal; the same findings give the same text."""
+    stream = io.StringIO()
+    console = Console(file=stream, width=width or 170)
+    for scene in findings:
+        console.print(f"\n{scene.scene}  ({scene.seeds} seeds)", style="bold", highlight=False)
+        for line in verdict_lines(scene):
+            console.print(line, highlight=False)
+        console.print(reference_line(scene), highlight=False)
+        for warning in scene.warnings:
+            console.print(f"warning: {warning}", highlight=False)
+        for title, header, rows in [*error_tables(scene), quality_table(scene)]:
+            table = Table(title=title, box=rich.box.SIMPLE_HEAD, title_justify="left")
+            for number, name in enumerate(header):
+                table.add_column(name, justify="left" if number == 0 else "right", overflow="fold")
+            for row in rows:
+                table.add_row(*row)
+            console.print(table, highlight=False)
+    level = f"{100 * st.LEVEL:.0f}%"
+    console.print(
+        "Errors are ± one standard error over seeds. Tests are paired by seed; "
+        f"words are at {level} over all methods and scenes (Holm).",
+        highlight=False,
+    )
+    return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
+
+
+def _write(path, header, rows):
+    stream = io.StringIO(newline="")
+    writer = csv.writer(stream)
+    writer.writerow(header)
+    writer.writerows(rows)
+    files.write(path, stream.getvalue())
+
+
+def write_csv(findings, folder):
+    """Write runs.csv (every seed and measured frame) and summary.csv (every method) into `folder`.
+
+    Where single frames are measured, frames.csv too: every method and frame.
+    """
+    folder = Path(folder)
+    if any(scene.at for scene in findings):
+        _write_frames(findings, folder / "frames.csv")
+    names = ("mape", "relmse", "bias")
+    rows = [
+        [
+            scene.scene,
+            method.label,
+            seed,
+            int(frame),
+            *(f"{method.curves[name][seed, at]:.9g}" for name in names),
+            f"{method.gpu_ms[seed, at]:.6g}",
+            f"{method.wall_ms[seed, at]:.6g}",
+        ]
+        for scene in findings
+        for method in scene.methods
+        for seed in range(scene.seeds)
+        for at, frame in enumerate(method.frames)
+    ]
+    _write(folder / "runs.csv", ["scene", "method", "seed", "frame", *names, "gpu_ms", "wall_ms"], rows)
+    header, rows = ["scene", "method", "common_gpu_ms"], []
+    for mode in ("frame", "time"):
+        for metric in METRICS:
+            header += [f"{metric}_{mode}", f"{metric}_{mode}_se", f"{metric}_{mode}_p"]
+    header += [
+        "mape_single",
+        "mape_single_se",
+        "mape_single_p",
+        "bias",
+        "bias_se",
+        "bias_p",
+        "detectable_bias",
+        "blocks_p",
+        "spatial_frame",
+        "spatial_frame_se",
+        "spatial_image",
+        "spatial_image_se",
+        "temporal",
+        "temporal_se",
+    ]
+    for scene in findings:
+        for method in scene.methods:
+            row = [scene.scene, method.label, f"{scene.common_ms:.6g}"]
+            for mode, values in (("frame", method.equal_frame), ("time", method.equal_time)):
+                for metric in METRICS:
+                    row += [*values[metric], method.adjusted.get((metric, mode), float("nan"))]
+            row += [*st.mean_se(method.single), method.adjusted.get(("mape", "single"), float("nan"))]
+            row += [
+                method.bias.difference,
+                method.bias.se,
+                method.adjusted["bias"],
+                method.bias.smallest_detectable(scene.bias_tests),
+                method.adjusted["blocks"],
+                *method.spatial_frame,
+                *method.spatial_image,
+                *method.temporal,
+            ]
+            rows.append([value if isinstance(value, str) else f"{float(value):.9g}" for value in row])
+    _write(folder / "summary.csv", header, rows)
+
+
+def _write_frames(findings, file):
+    """Errors of single frames: mean and standard error over seeds, corrected p against the first method."""
+    header = ["scene", "method", "frame"]
+    header += [name for metric in METRICS for name in (metric, f"{metric}_se", f"{metric}_p")]
+    rows = []
+    for scene in findings:
+        for method in scene.methods:
+            for frame in scene.at:
+                row = [scene.scene, method.label, frame]
+                for metric in METRICS:
+                    p = method.adjusted.get((metric, _test_of(scene, frame)), float("nan"))
+                    row += [f"{float(value):.9g}" for value in (*error_of(method, metric, frame), p)]
+                rows.append([*row, *(f"{float(value):.9g}" for value in error_of(method, "bias", frame))])
+    _write(file, [*header, "bias", "bias_se"], rows)
