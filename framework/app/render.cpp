@@ -32,7 +32,7 @@ struct Options {
     uint32_t keepEvery = 0;  ///< frames; 0: only at the end
     std::string exr;
     std::string png;
-    std::string output;  ///< of the graph; empty: all
+    std::vector<std::string> outputs;  ///< of the graph or its passes, the first is the picture; empty: all of the graph's
     std::string reference;
     std::string environment;
     bool allowOutside = false;
@@ -115,35 +115,36 @@ const OutputPort& portOf(const Graph& graph, const GraphOutput& output)
     return graph.passes()[output.pass].interface.outputs()[output.output];
 }
 
-/// The output that is the picture: the user's, else the first. Outputs that no image file can hold are named.
-std::string chooseOutput(const Graph& graph, const Options& options)
+/// Whether a file that is asked for cannot hold the picture.
+void checkPicture(const GraphOutput& output, uint32_t channels, const Options& options)
 {
+    if (!options.png.empty() && channels != 1 && channels != 3)
+        fail("output '{}' has {} channels, a PNG has 1 or 3; choose another with --output, or -o for an EXR", output.name, channels);
+    if (!options.reference.empty() && channels != 3)
+        fail("output '{}' has {} channels, a --reference is compared with 3; choose another with --output", output.name, channels);
+}
+
+/// The output that is the picture: the user's first, else the graph's. Outputs that no image file can hold are named.
+std::string chooseOutput(Graph& graph, Options& options)
+{
+    for (auto& name : options.outputs)
+        name = graph.addOutput(name);
     std::vector<std::string> images;
     for (const auto& output : graph.outputs())
         if (portOf(graph, output).type.channels > 0)
             images.push_back(output.name);
-    const std::string chosen = options.output.empty() ? graph.outputs().front().name : options.output;
+    const std::string chosen = options.outputs.empty() ? graph.outputs().front().name : options.outputs.front();
     for (const auto& output : graph.outputs()) {
-        const std::string type = portOf(graph, output).type.name;
-        const bool isImage = portOf(graph, output).type.channels > 0;
-        if (output.name == chosen && !isImage)
-            fail("output '{}' is a {}, which no image file can hold; choose one with --output: {}", chosen, type,
+        const auto& type = portOf(graph, output).type;
+        const bool asked = std::count(options.outputs.begin(), options.outputs.end(), output.name) > 0;
+        if ((asked || output.name == chosen) && type.channels == 0)
+            fail("output '{}' is a {}, which no image file can hold; choose one with --output: {}", output.name, type.name,
                  fmt::join(images, ", "));
-        const uint32_t channels = portOf(graph, output).type.channels;
-        if (output.name == chosen && !options.png.empty() && channels != 1 && channels != 3)
-            fail("output '{}' has {} channels, a PNG has 1 or 3; choose another with --output, or -o for an EXR",
-                 chosen, channels);
-        if (output.name == chosen && !options.reference.empty() && channels != 3)
-            fail("output '{}' has {} channels, a --reference is compared with 3; choose another with --output", chosen,
-                 channels);
-        if (options.output.empty() && !isImage)
-            warn("output '{}' is a {}, which no image file can hold; it is left out", output.name, type);
+        if (output.name == chosen)
+            checkPicture(output, type.channels, options);
+        if (options.outputs.empty() && type.channels == 0)
+            warn("output '{}' is a {}, which no image file can hold; it is left out", output.name, type.name);
     }
-    const bool found =
-        std::any_of(graph.outputs().begin(), graph.outputs().end(), [&](const auto& o) { return o.name == chosen; });
-    if (!found)
-        fail("--output {}: graph '{}' has no such output; choose one of: {}", chosen, graph.name(),
-             fmt::join(images, ", "));
     return chosen;
 }
 
@@ -161,7 +162,7 @@ Image readReference(const Options& options)
 void writeFiles(Renderer& renderer, const Options& options, const std::string& shown)
 {
     if (!options.exr.empty())
-        renderer.save(options.exr, options.half ? PixelType::half : PixelType::full, options.output);
+        renderer.save(options.exr, options.half ? PixelType::half : PixelType::full, options.outputs);
     if (!options.png.empty())
         writePng(options.png, renderer.output(shown), options.display);
 }
@@ -297,7 +298,9 @@ void addOutputOptions(CLI::App& command, Options& options)
     command.add_option("--seed", options.renderer.seed, "Seed of all random numbers")->capture_default_str();
     command.add_option("-o", options.exr, "EXR file for the outputs: the first as R, G, B, the others as layers");
     command.add_flag("--half", options.half, "Half floats in the EXR");
-    command.add_option("--output", options.output, "Write only this output of the graph");
+    command.add_option("--output", options.outputs,
+                       "Write only this output of the graph, or port of a pass (albedo, normal, depth, PASS.PORT); may be repeated, the first is the picture")
+        ->allow_extra_args(false);
     command.add_option("--png", options.png, "PNG file for the picture");
     command.add_option("--exposure", options.display.exposure, "Of the PNG, in stops, -100 to 100");
     command.add_option("--ocio", options.display.config,

@@ -1,6 +1,7 @@
 #include "core/table.h"
 
 #include <algorithm>
+#include <sstream>
 
 namespace restirpg {
 namespace {
@@ -21,7 +22,22 @@ std::string escapedPipes(const std::string& cell)
 
 }  // namespace
 
-std::string Table::text(const std::string& indent) const
+std::string wrapped(const std::string& text, size_t from, size_t width)
+{
+    const size_t room = std::max(width, from + 24) - from;
+    std::string result, line;
+    std::istringstream words(text);
+    for (std::string word; words >> word;) {
+        if (!line.empty() && columns(line) + 1 + columns(word) > room) {
+            result += line + '\n' + std::string(from, ' ');
+            line.clear();
+        }
+        line += (line.empty() ? "" : " ") + word;
+    }
+    return result + line;
+}
+
+std::string Table::text(const std::string& indent, size_t width) const
 {
     std::vector<size_t> widths(rows_.front().size(), 0);
     for (const auto& row : rows_)
@@ -30,8 +46,9 @@ std::string Table::text(const std::string& indent) const
     std::string result;
     for (const auto& row : rows_) {
         std::string line = indent;
-        for (size_t i = 0; i < row.size(); ++i)
+        for (size_t i = 0; i + 1 < row.size(); ++i)
             line += row[i] + std::string(widths[i] - columns(row[i]) + 2, ' ');
+        line += width > 0 ? wrapped(row.back(), columns(line), width) : row.back();
         line.erase(line.find_last_not_of(' ') + 1);
         result += line + '\n';
     }

@@ -87,7 +87,7 @@ void Device::finishKernels(const CompileProgress& progress)
 
 void Device::beginLabel(VkCommandBuffer commands, const std::string& name) const
 {
-    if (!logical_->validated())
+    if (!vkCmdBeginDebugUtilsLabelEXT)  // the loader lacks the extension
         return;
     VkDebugUtilsLabelEXT label{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT};
     label.pLabelName = name.c_str();
@@ -96,7 +96,7 @@ void Device::beginLabel(VkCommandBuffer commands, const std::string& name) const
 
 void Device::endLabel(VkCommandBuffer commands) const
 {
-    if (logical_->validated())
+    if (vkCmdEndDebugUtilsLabelEXT)
         vkCmdEndDebugUtilsLabelEXT(commands);
 }
 

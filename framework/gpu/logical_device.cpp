@@ -350,7 +350,7 @@ void LogicalDevice::createLayouts()
 
 void LogicalDevice::setName(uint64_t handle, VkObjectType type, const std::string& name) const
 {
-    if (!validated_)
+    if (!vkSetDebugUtilsObjectNameEXT)  // the loader lacks the extension
         return;
     VkDebugUtilsObjectNameInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT};
     info.objectType = type;

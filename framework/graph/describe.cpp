@@ -12,6 +12,8 @@
 namespace restirpg {
 namespace {
 
+constexpr size_t TEXT_WIDTH = 100;  ///< columns of a terminal
+
 /// What a knob accepts, short: "0 .. 64", "world, screen".
 std::string rangeOf(const Knob& knob)
 {
@@ -42,11 +44,15 @@ std::string optionality(const Interface& interface, const InputPort& input)
     return others.empty() ? " (optional)" : fmt::format(" (optional, with {})", fmt::join(others, " and "));
 }
 
-Table inputTable(const Interface& interface)
+/// In plain text, where columns are narrow, what an optional input goes with stands in its meaning.
+Table inputTable(const Interface& interface, TextFormat format)
 {
     Table table({"input", "type", "meaning"});
     for (const auto& input : interface.inputs())
-        table.add({input.name + optionality(interface, input), input.type.name, input.meaning});
+        if (format == TextFormat::markdown)
+            table.add({input.name + optionality(interface, input), input.type.name, input.meaning});
+        else
+            table.add({input.name, input.type.name, input.meaning + optionality(interface, input)});
     return table;
 }
 
@@ -58,12 +64,17 @@ Table outputTable(const Interface& interface)
     return table;
 }
 
-Table knobTable(const Interface& interface)
+/// Long ranges, choices of many, stand with the meaning in plain text, where columns are narrow.
+Table knobTable(const Interface& interface, TextFormat format)
 {
+    constexpr size_t LONG = 24;
     Table table({"knob", "type", "default", "range", "meaning"});
-    for (const auto& knob : interface.knobs())
-        table.add({knob.name, knob.typeName(), valueOf(knob), rangeOf(knob),
-                   knob.meaning + (knob.structural ? " (a change rebuilds the pass)" : "")});
+    for (const auto& knob : interface.knobs()) {
+        const std::string range = rangeOf(knob);
+        const bool beside = format == TextFormat::markdown || range.size() <= LONG;
+        table.add({knob.name, knob.typeName(), valueOf(knob), beside ? range : "",
+                   (beside ? "" : "one of " + range + ": ") + knob.meaning + (knob.structural ? " (a change rebuilds the pass)" : "")});
+    }
     return table;
 }
 
@@ -73,10 +84,10 @@ std::string describePass(const PluginEntry& entry, TextFormat format)
 {
     const auto [pass, interface] = runPlugin(fmt::format("pass type '{}' ", entry.name), [&] { return instantiate(entry); });
     const bool markdown = format == TextFormat::markdown;
-    std::string text = markdown ? "" : fmt::format("{}: {}\n", entry.name, entry.meaning);
-    for (const auto& table : {inputTable(interface), outputTable(interface), knobTable(interface)})
+    std::string text = markdown ? "" : wrapped(fmt::format("{}: {}", entry.name, entry.meaning), 2, TEXT_WIDTH) + "\n";
+    for (const auto& table : {inputTable(interface, format), outputTable(interface), knobTable(interface, format)})
         if (!table.empty())
-            text += (markdown && text.empty() ? "" : "\n") + (markdown ? table.markdown() : table.text());
+            text += (markdown && text.empty() ? "" : "\n") + (markdown ? table.markdown() : table.text("  ", TEXT_WIDTH));
     return text;
 }
 

@@ -77,18 +77,59 @@ Graph::Graph(nlohmann::json description, const Plugins& plugins) : description_(
     passes_ = std::move(wiring.passes);
     edges_ = std::move(wiring.edges);
     outputs_ = std::move(wiring.outputs);
-    const auto all = topologicalOrder(passes_, edges_, mistakes);
+    sorted_ = topologicalOrder(passes_, edges_, mistakes);
     mistakes.raise();
+    plan();
+    check();
+}
 
+/// Which passes run, in which order, and what is allocated for the present outputs.
+void Graph::plan()
+{
     const auto live = reachable(passes_.size(), edges_, outputs_);
-    for (const uint32_t pass : all) {
+    order_.clear();
+    for (const uint32_t pass : sorted_) {
         passes_[pass].live = live[pass];
         if (live[pass])
             order_.push_back(pass);
     }
     resources_ = planResources(passes_, edges_, outputs_, order_);
     connectPorts();
+}
+
+std::string Graph::addOutput(const std::string& name)
+{
+    std::vector<std::string> names;
+    for (const auto& output : outputs_)
+        names.push_back(output.name);
+    if (std::find(names.begin(), names.end(), name) != names.end())
+        return name;
+    std::vector<GraphOutput> found;
+    std::vector<std::string> others;  // of passes that run
+    for (uint32_t p = 0; p < passes_.size(); ++p)
+        for (uint32_t o = 0; o < passes_[p].interface.outputs().size(); ++o) {
+            const std::string port = passes_[p].interface.outputs()[o].name, path = passes_[p].name + "." + port;
+            if (path == name || (port == name && passes_[p].live))
+                found.push_back({port, p, o});
+            if (passes_[p].live && passes_[p].interface.outputs()[o].type.channels > 0)
+                others.push_back(path);
+        }
+    if (found.empty())
+        fail("graph '{}' has no output '{}'; it has: {}; and, of its passes: {}", name_, name, fmt::join(names, ", "), fmt::join(others, ", "));
+    if (found.size() > 1) {
+        std::vector<std::string> paths;
+        for (const auto& output : found)
+            paths.push_back(passes_[output.pass].name + "." + output.name);
+        fail("graph '{}' has several ports '{}'; name one of: {}", name_, name, fmt::join(paths, ", "));
+    }
+    const auto& added = found.front();
+    if (std::find(names.begin(), names.end(), added.name) != names.end())
+        fail("graph '{}' has an output '{}' already, which is not {}; rename the graph's output", name_, added.name, name);
+    outputs_.push_back(added);
+    description_["outputs"].push_back({{"name", added.name}, {"pass", passes_[added.pass].name}, {"output", added.name}});
+    plan();
     check();
+    return added.name;
 }
 
 /// Tell the passes which of their ports are wired, and to what.

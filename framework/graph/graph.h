@@ -68,6 +68,10 @@ public:
     const std::vector<GraphPass>& passes() const { return passes_; }
     const std::vector<Edge>& edges() const { return edges_; }
     const std::vector<GraphOutput>& outputs() const { return outputs_; }
+    /// Make the output `name` readable, and return what it is called: one of the graph's outputs, or any port of a pass, "pass.port", or
+    /// "port" where only one pass that runs has it. Before the graph is given to an executor; what nobody names here, wires or outputs
+    /// costs nothing. Throws Error, naming what there is.
+    std::string addOutput(const std::string& name);
     const std::vector<uint32_t>& order() const { return order_; }  ///< live passes in execution order
     const std::vector<PlannedResource>& resources() const { return resources_; }
 
@@ -100,6 +104,7 @@ public:
     std::string dot() const;
 
 private:
+    void plan();
     void connectPorts();
 
     std::string name_;
@@ -107,6 +112,7 @@ private:
     std::vector<GraphPass> passes_;
     std::vector<Edge> edges_;
     std::vector<GraphOutput> outputs_;
+    std::vector<uint32_t> sorted_;  ///< all passes in execution order
     std::vector<uint32_t> order_;
     std::vector<PlannedResource> resources_;
 };

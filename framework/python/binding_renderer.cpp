@@ -17,7 +17,8 @@ size: (width, height) in pixels. seed: of all random numbers; the same seed give
 device: number or part of the name as `restirpg devices` lists them; None: the best one. backend: "software", "rayquery"
 or None for what suits the device. validation: run under the Vulkan validation layer. fps: frames a second of scene time;
 0: the scene stands still. time: of the first frame, s. energy_compensation: rough metal and glass give back the light that
-single-scattering GGX loses.
+single-scattering GGX loses. outputs: more outputs than the graph has: ports of its passes, as "albedo", "normal" and "depth",
+or "pass.port" where several passes have a port of that name. They cost nothing where they are not asked for.
 
 A scene that has a bounce cap of its own sets the knob "bounces" of every pass to it.
 
@@ -56,9 +57,9 @@ constexpr const char* MOVE_NODE =
 node: its name, or its place in Scene.nodes where the name is empty or several have it. Column vectors: the translation is
 the last column.)";
 
-constexpr const char* SAVE = R"(Write the graph's outputs as one EXR, whose name ends in .exr: the first as R, G, B, the others as layers.
+constexpr const char* SAVE = R"(Write outputs as one EXR, whose name ends in .exr: the first as R, G, B, the others as layers.
 
-half: half floats. output: write only this one. The header carries the graph, its knobs, seed, frames, scene, device and
+half: half floats. output: write only this one, or only those of a list. The header carries the graph, its knobs, seed, frames, scene, device and
 commit.)";
 
 nlohmann::json describe(const py::object& graph)
@@ -78,7 +79,7 @@ std::unique_ptr<SharedRenderer> makeRenderer(const std::shared_ptr<Scene>& scene
                                              const std::pair<uint32_t, uint32_t>& size, uint32_t seed,
                                              const std::optional<py::object>& device,
                                              const std::optional<std::string>& backend, bool validation, float fps,
-                                             float time, bool energyCompensation)
+                                             float time, bool energyCompensation, const std::vector<std::string>& outputs)
 {
     RendererOptions options;
     options.width = size.first;
@@ -93,6 +94,8 @@ std::unique_ptr<SharedRenderer> makeRenderer(const std::shared_ptr<Scene>& scene
     auto checked = std::make_unique<Graph>(std::move(description), Plugins());
     if (scene->bounceCap)
         checked->setKnobEverywhere("bounces", *scene->bounceCap);
+    for (const auto& name : outputs)
+        checked->addOutput(name);
     return std::make_unique<SharedRenderer>(std::make_unique<Renderer>(scene, std::move(checked), options));
 }
 
@@ -187,10 +190,14 @@ py::dict deviceInfo(SharedRenderer& shared)
     return result;
 }
 
-void save(SharedRenderer& shared, const std::filesystem::path& file, bool half, const std::string& output)
+void save(SharedRenderer& shared, const std::filesystem::path& file, bool half,
+          const std::variant<std::string, std::vector<std::string>>& output)
 {
     requireExtension(file, ".exr");
-    shared.run([&](Renderer& renderer) { renderer.save(file, half ? PixelType::half : PixelType::full, output); });
+    const auto* several = std::get_if<std::vector<std::string>>(&output);
+    const auto* one = std::get_if<std::string>(&output);
+    const auto names = several ? *several : one->empty() ? std::vector<std::string>() : std::vector{*one};
+    shared.run([&](Renderer& renderer) { renderer.save(file, half ? PixelType::half : PixelType::full, names); });
 }
 
 void bindKnobs(py::class_<SharedRenderer>& renderer)
@@ -247,7 +254,8 @@ void bindRenderer(py::module_& module)
     py::class_<SharedRenderer> renderer(module, "Renderer", RENDERER);
     renderer
         .def(py::init(&makeRenderer), py::arg("scene").none(false), "graph"_a, "size"_a, "seed"_a = 0, "device"_a = py::none(),
-             "backend"_a = py::none(), "validation"_a = false, "fps"_a = 0.0f, "time"_a = 0.0f, "energy_compensation"_a = false)
+             "backend"_a = py::none(), "validation"_a = false, "fps"_a = 0.0f, "time"_a = 0.0f, "energy_compensation"_a = false,
+             "outputs"_a = std::vector<std::string>())
         .def("render", &render, RENDER, "frames"_a = 1)
         .def_property_readonly("frame", shared(&Renderer::frame), "Frames rendered since the last cut.")
         .def_property_readonly(

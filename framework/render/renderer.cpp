@@ -116,7 +116,8 @@ Image Renderer::output(const std::string& name)
     const auto& outputs = graph().outputs();
     const auto found = std::find_if(outputs.begin(), outputs.end(), [&](const auto& output) { return output.name == name; });
     if (found == outputs.end())
-        fail("graph '{}' has no output '{}'; it has: {}", graph().name(), name, fmt::join(outputNames(), ", "));
+        fail("graph '{}' has no output '{}'; it has: {}; ports of passes are read where the renderer was made with outputs=[\"{}\"]",
+             graph().name(), name, fmt::join(outputNames(), ", "), name);
     const auto& pass = graph().passes()[found->pass];
     const auto& port = pass.interface.outputs()[found->output];
     if (port.type.channels == 0)
@@ -291,18 +292,18 @@ std::map<std::string, std::string> Renderer::provenance() const
             {"restirpg.commit", COMMIT}};
 }
 
-void Renderer::save(const std::filesystem::path& file, PixelType type, const std::string& only)
+void Renderer::save(const std::filesystem::path& file, PixelType type, const std::vector<std::string>& only)
 {
     refuseInput(file, scene_->files);
     refuseInput(file, graph().namedFiles());
-    if (!only.empty()) {
-        writeExr(file, {{"", output(only)}}, type, provenance());
-        return;
-    }
+    std::vector<std::string> names = only;
+    if (only.empty())
+        for (const auto& named : graph().outputs())
+            if (graph().passes()[named.pass].interface.outputs()[named.output].type.channels > 0)
+                names.push_back(named.name);
     std::vector<Layer> layers;
-    for (const auto& named : graph().outputs())
-        if (graph().passes()[named.pass].interface.outputs()[named.output].type.channels > 0)
-            layers.push_back({layers.empty() ? "" : named.name, output(named.name)});
+    for (const auto& name : names)
+        layers.push_back({layers.empty() ? "" : name, output(name)});
     writeExr(file, layers, type, provenance());
 }
 

@@ -83,8 +83,8 @@ public:
 
     /// What an EXR header carries: graph JSON, knobs, seed, frames, size, scene file and hash, device, driver, back end, commit.
     std::map<std::string, std::string> provenance() const;
-    /// Write the graph's outputs as one EXR: the first plain, the others as layers. Only image outputs; throws Error when `only` is not one.
-    void save(const std::filesystem::path& file, PixelType type = PixelType::full, const std::string& only = "");
+    /// Write outputs as one EXR: the first plain, the others as layers. `only`: these, which must be images; empty: all that are images.
+    void save(const std::filesystem::path& file, PixelType type = PixelType::full, const std::vector<std::string>& only = {});
 
 private:
     void updateScene();

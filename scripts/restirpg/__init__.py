@@ -8,9 +8,10 @@ use of one of its names: describing a graph must not need a GPU, a driver or a b
 import importlib
 import os
 
+from restirpg.denoising import denoise, have_denoiser
 from restirpg.graph import Graph, GraphError, Port, prev
 
-__all__ = ["Graph", "GraphError", "Port", "prev"]
+__all__ = ["Graph", "GraphError", "Port", "denoise", "have_denoiser", "prev"]
 
 
 def _build_folders():

@@ -188,8 +188,9 @@ def test_the_progress_bar_is_drawn_on_terminals_only(scene, tmp_path):
         ),
         (
             ["--output", "picture"],
-            "--output picture: graph 'Path tracer' has no such output; choose one of: image, variance, "
-            "invalid",
+            "graph 'Path tracer' has no output 'picture'; it has: image, variance, invalid; and, of its passes: "
+            "gbuffer.emission, gbuffer.normal, gbuffer.geometric_normal, gbuffer.albedo, gbuffer.depth, gbuffer.motion, "
+            "gbuffer.material, paths.radiance, accumulate.mean, accumulate.variance, accumulate.invalid",
         ),
         (["-o", "a.jpg"], "a.jpg: the name must end in .exr"),
         (["--png", "a.exr"], "a.exr: the name must end in .png"),
@@ -333,6 +334,31 @@ def test_an_unknown_pass_type_is_one_line():
     said = refusal("describe", "GBufer")
     assert said.startswith("there is no pass type 'GBufer'; pass types: Accumulate, ")
     assert said.endswith("; did you mean 'GBuffer'?")
+
+
+def test_descriptions_fit_a_terminal_of_100_columns():
+    code, output, errors = restirpg("describe")
+    assert (code, errors) == (0, "")
+    assert not [line for line in output.splitlines() if len(line) > 100]
+    assert "one of none, jacobian, mis," in " ".join(output.split())  # choices of a knob, wrapped
+
+
+def test_ports_of_passes_are_written_by_name(scene, tmp_path):
+    command = [*render_command(scene), "--output", "image", "--output", "depth", "--output", "gbuffer.albedo"]
+    assert restirpg(*command, folder=tmp_path)[0] == 0
+    data = (tmp_path / "a.exr").read_bytes()
+    assert b"depth.Y" in data and b"albedo.R" in data and b"variance" not in data.split(b"restirpg.graph")[0]
+
+
+def test_bash_completes_pass_types_and_options():
+    def completed(*words):
+        script = (f"source {ROOT}/scripts/completion.bash; COMP_WORDS=({' '.join(words)}); "
+                  "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _restirpg; printf '%s\\n' \"${COMPREPLY[@]}\"")
+        return subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=True).stdout.split()
+
+    assert completed(str(PROGRAM), "des") == ["describe"]
+    assert completed(str(PROGRAM), "describe", "GuidingS") == ["GuidingScreen", "GuidingSplat"]
+    assert completed(str(PROGRAM), "render", "--exp") == ["--exposure"]
 
 
 @pytest.mark.parametrize(

@@ -78,14 +78,32 @@ def test_a_bounce_cap_of_none_is_a_cap(tmp_path):
     assert "bounce cap</th><td>0" in (tmp_path / "out/report.html").read_text().replace("\n", "")
 
 
-def test_the_verdict_comes_first_in_words(finished):
-    lines = finished[1].stdout.splitlines()
-    single = next(line for line in lines if line.startswith("In single frames, against plain and by 8 seeds: "))
-    less = float(re.search(r"quiet errs ([\d.]+)% less \(p = ", " ".join(lines))[1])
+def verdict(stdout):
+    """The verdict on the first scene, in one line."""
+    text = " ".join(stdout.split())
+    return text[text.index("seeds") : text.index("reference:")]
+
+
+def test_the_verdict_comes_first_in_one_sentence(finished):
+    said = verdict(finished[1].stdout)
+    less = float(re.search(r"In single frames, quiet has ([\d.]+)% less error than plain", said)[1])
     assert 45 < less < 55  # half the noise
-    timed = next(line for line in lines if line.startswith("At equal time (0.036 s of GPU time), against plain"))
-    assert lines.index(single) < lines.index(timed) < next(i for i, line in enumerate(lines) if line.startswith("reference: "))
-    assert "quiet is not told apart from it" in " ".join(lines[lines.index(timed):lines.index(timed) + 3])
+    assert said.count(". ") == 1 and "; at equal time, " in said
+    assert re.search(r"; quiet .*not told apart from it\.", said)
+
+
+def test_the_verdict_is_short_where_nothing_is_told_apart(tmp_path):
+    run = compare(tmp_path, "plain.json", "plain.json@label=a", "plain.json@label=b", size="16x16", frames=2, seeds=2)
+    assert "No method is told apart from plain, in single frames or at equal time." in " ".join(run.stdout.split())
+
+
+def test_in_brief_there_is_a_verdict_and_one_table_of_80_columns(tmp_path):
+    long = "plain.json@noise=0.5,label=a method whose name is rather long"
+    run = compare(tmp_path, "plain.json", long, brief=[], frames=4)
+    table = run.stdout.split("device:")[1]
+    assert "less error than plain" in " ".join(table.split()) and "at equal time" in table
+    assert all(len(line) <= 80 for line in table.splitlines()[1:] if not line.startswith("out/report.html"))
+    assert "8×8 blocks" not in table and "8×8 blocks" in (tmp_path / "out/tables.txt").read_text()
 
 
 def test_equal_time_compares_at_the_time_of_the_fastest(finished):

@@ -1,6 +1,7 @@
 """The report in a headless Chromium: it opens without errors or network, and its viewer does what its
 controls say."""
 
+import base64
 import re
 import shutil
 
@@ -57,13 +58,41 @@ def pixel(browser, x):
 
 def test_the_report_names_no_address_to_load_from(report):
     text = report.read_text()
-    assert not re.findall(r'(?:src|href)="(?!data:)', text)
+    linked = re.findall(r'(?:src|href)="(?!data:)([^"]*)', text)
+    assert linked == [f"images/scene.{name}.exr" for name in ("reference", "plain", "four__script__times")]
+    assert all((report.parent / name).is_file() for name in linked)
     assert not re.findall(r"\bfetch\(|XMLHttpRequest|@import|url\((?!#)", re.sub(r"base64,[^\"]*", "", text))
+
+
+def test_it_opens_with_its_verdict_and_the_first_and_the_last_method_side_by_side(browser):
+    top = browser.run(
+        "return ['.verdict', '.viewer', '.crops', 'table', '.charts'].map("
+        "s => document.querySelector(s).getBoundingClientRect().top)"
+    )
+    assert top == sorted(top)
+    assert re.match(r"In single frames, .* has [\d.e+]+% more error than plain; ", browser.run(
+        "return document.querySelector('.verdict').textContent"))
+    shown = browser.run("const s = viewers[0].state; return [viewers[0].pictures[s.a].label, viewers[0].pictures[s.b].label, s.view]")
+    assert shown == ["plain", "four</script> times", "frame"]
+    assert browser.run("return document.querySelectorAll('details[open]').length") == 0
+
+
+@pytest.mark.parametrize("width", [1400, 420])
+def test_nothing_is_wider_than_the_window(browser, width):
+    browser.resize(width, 900)
+    assert browser.run("return document.documentElement.scrollWidth <= window.innerWidth")
+    browser.resize(1280, 1600)
+
+
+def test_ticks_of_logarithmic_axes_are_plain_numbers(report):
+    svgs = [base64.b64decode(data).decode() for data in re.findall(r"svg\+xml;base64,([^\"]*)", report.read_text())]
+    ticks = [text for svg in svgs for text in re.findall(r">([^<>]*10\^|[^<>]*mathdefault[^<>]*)<", svg)]
+    assert len(svgs) == 8 and not ticks
 
 
 def test_the_pictures_on_both_sides_of_the_split_are_the_chosen_ones(browser):
     assert browser.run("return viewers.length") == 1
-    browser.run("viewers[0].set({a: 0, b: 2, exposure: 0})")
+    browser.run("viewers[0].set({a: 0, b: 2, exposure: 0, view: 'image'})")
     assert max(pixel(browser, 0.25)[:3]) < 200 < pixel(browser, 0.75)[0]
     browser.run("viewers[0].set({a: 2, b: 0})")
     assert pixel(browser, 0.25)[0] > 200 > max(pixel(browser, 0.75)[:3])
@@ -111,7 +140,7 @@ def test_the_wheel_zooms_about_the_pointer_in_all_panes_in_step(browser):
 def test_blinking_shows_a_and_b_in_turn(browser):
     browser.run(
         "document.querySelector('[data-mode=blink]').click();"
-        "viewers[0].set({a: 0, b: 2, shown: 'a', exposure: 0});"
+        "viewers[0].set({a: 0, b: 2, shown: 'a', exposure: 0, view: 'image'});"
         "clearInterval(viewers[0].timer)"
     )
     first = pixel(browser, 0.5)
@@ -146,7 +175,7 @@ def test_error_maps_share_one_scale_and_are_black_for_the_reference(browser):
 def test_the_pixel_under_the_pointer_is_read_out(browser):
     browser.point(".pane canvas", ("move", 3, 3))
     assert re.match(
-        r"32, 16   A [\d.]+ [\d.]+ [\d.]+   B ", browser.run("return document.querySelector('.pixel').value")
+        r"32, 16   A -?[\d.]+ -?[\d.]+ -?[\d.]+   B ", browser.run("return document.querySelector('.pixel').value")
     )
 
 
@@ -165,6 +194,7 @@ def test_tables_charts_graphs_and_provenance_are_there(browser, report, tmp_path
     assert browser.run(
         "return Array.from(document.querySelectorAll('.charts img')).every(i => i.naturalWidth > 0)"
     )
+    browser.run("document.querySelectorAll('details').forEach(each => each.open = true)")
     assert browser.run(
         "return Array.from(document.querySelectorAll('.differs td'), e => e.textContent.trim())"
     ) == ["gain = 1.0", "gain = 4", "noise = 1.0", "noise = 0.1"]

@@ -176,6 +176,26 @@ def test_a_saved_exr_holds_every_output_and_where_it_came_from(renderer, tmp_pat
     assert sorted(os.listdir(tmp_path)) == ["a.exr", "v.exr"]
 
 
+def test_any_port_of_a_pass_is_an_output_where_it_is_asked_for_and_costs_nothing_where_not(scene, tmp_path):
+    plain, asked = make_renderer(scene), make_renderer(scene, outputs=["albedo", "gbuffer.depth"])
+    assert image_after(plain, 2).tobytes() == image_after(asked, 2).tobytes()
+    assert asked.output_names[-2:] == ["albedo", "depth"] and asked.output_names[:-2] == plain.output_names
+    assert asked.output("albedo").shape == (SIZE[1], SIZE[0], 3) and asked.output("albedo").max() > 0.1
+    assert asked.output("depth").shape[:2] == (SIZE[1], SIZE[0]) and asked.output("depth").max() > 1
+    assert set(asked.memory()) - set(plain.memory()) == {"gbuffer.albedo", "gbuffer.depth"}
+    assert 'outputs=["albedo"]' in refusal(plain.output, "albedo")
+    asked.save(tmp_path / "a.exr", output=["image", "albedo"])
+    assert restirpg.read_exr(tmp_path / "a.exr", "albedo").tobytes() == asked.output("albedo").tobytes()
+    assert '"albedo"' in restirpg.read_exr_attributes(tmp_path / "a.exr")["restirpg.graph"]
+
+
+def test_a_port_that_several_passes_have_is_asked_for_by_its_pass(scene):
+    graph = restirpg.load_graph(GRAPH.with_name("restir_di.py"))
+    said = refusal(make_renderer, scene, graph, outputs=["radiance"])
+    assert said == "graph 'ReSTIR DI' has several ports 'radiance'; name one of: direct.radiance, paths.radiance"
+    assert "no output 'nonsense'" in refusal(make_renderer, scene, graph, outputs=["nonsense"])
+
+
 def test_errors_measured_on_the_device_are_those_measured_on_the_host(scene, tmp_path):
     reference = image_after(make_renderer(scene, seed=1), 8)
     restirpg.write_exr(tmp_path / "reference.exr", {"": reference})

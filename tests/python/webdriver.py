@@ -74,6 +74,11 @@ class Browser:
         """Load a local file."""
         self._ask("/url", {"url": f"file://{file}"})
 
+    def resize(self, width, height):
+        """Give the page that many CSS pixels, as a narrow device has them."""
+        self._ask("/goog/cdp/execute", {"cmd": "Emulation.setDeviceMetricsOverride", "params": {
+            "width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}})
+
     def run(self, script):
         """The value of a JavaScript function body."""
         return self._ask("/execute/sync", {"script": script, "args": []})

@@ -1,5 +1,6 @@
 """From runs to findings: the numbers that the tables, the plots and the report show."""
 
+import importlib.util
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,9 +18,10 @@ class MethodFindings:
 
     label: str
     frames: np.ndarray
-    curves: dict  # metric -> curve; relmse without the reference's own noise
+    curves: dict  # metric -> curve; relmse without the reference's own noise; "single": MAPE of that frame alone
     gpu_ms: np.ndarray  # summed since the start, (seeds, measured frames)
     wall_ms: np.ndarray
+    flip: np.ndarray | None  # of the last frame alone, by seed; None: flip_evaluator is not installed
     single: np.ndarray  # MAPE of settled single frames by seed; NaN where none is known
     equal_frame: dict  # metric -> (mean, standard error) after the last frame
     equal_time: (
@@ -33,10 +35,11 @@ class MethodFindings:
     passes: dict  # pass -> ms a frame, mean over seeds
     memory: dict  # resource -> bytes
     against: (
-        dict  # (metric, "frame", "time", "single" or a frame of `at`) -> paired Test against the baseline,
-        # which has none
+        dict  # (metric, "frame", "time", "single" or a frame of `at`), ("denoised", "frame" or "image") -> paired
+        # Test against the baseline, which has none
     )
     images: dict  # "image" (first seed), "mean" (of all seeds), "frame" (first seed's last frame alone)
+    denoised: dict = field(default_factory=dict)  # as denoised.of_runs(); empty: not asked for
     adjusted: dict = field(default_factory=dict)  # as `against`, and "bias", "blocks" -> corrected p-value
 
 
@@ -63,15 +66,33 @@ def single_frames(run):
     return float(np.mean(errors[~np.isnan(errors)])) if not np.isnan(errors).all() else float("nan")
 
 
+def flip(pictures, truth):
+    """HDR-FLIP [Andersson et al. 2021] of each picture, 0 to 1, by NVIDIA's package; None where it is not installed."""
+    if not importlib.util.find_spec("flip_evaluator"):
+        return None
+    import flip_evaluator
+
+    clean = [np.maximum(np.nan_to_num(image, nan=0, posinf=0, neginf=0), 0).astype(np.float32) for image in (truth, *pictures)]
+    return np.array([flip_evaluator.evaluate(clean[0], image, "HDR", applyMagma=False)[1] for image in clean[1:]])
+
+
 def analyse(scene_runs):
     """Findings of every scene.
 
-    p-values are corrected (Holm) in two families, each over all scenes and methods: the comparisons with the
-    baseline, and the tests of bias.
+    p-values are corrected (Holm) in three families, each over all scenes and methods: the comparisons with the
+    baseline, those after denoising, and the tests of bias.
     """
     findings = [_scene(runs) for runs in scene_runs if runs.runs]
     methods = [method for scene in findings for method in scene.methods]
-    _correct([(method, kind, test.p) for method in methods for kind, test in method.against.items()])
+    for after in (False, True):
+        _correct(
+            [
+                (method, kind, test.p)
+                for method in methods
+                for kind, test in method.against.items()
+                if (kind[0] == "denoised") == after
+            ]
+        )
     tests = _correct(
         [
             entry
@@ -120,6 +141,14 @@ def _scene(runs):
         }
         if not runs.at:
             method.against["mape", "single"] = st.paired(method.single, methods[0].single)
+    for method in methods:
+        if runs.denoised:
+            method.denoised = runs.denoised[method.label]
+            method.images["denoised"] = method.denoised["picture"]
+        if runs.denoised and method is not methods[0]:
+            for kind in ("frame", "image"):
+                test = st.paired(method.denoised[kind], methods[0].denoised[kind])
+                method.against["denoised", kind] = test
     return SceneFindings(
         runs.scene,
         runs.reference,
@@ -149,6 +178,7 @@ def _method(label, runs, truth, noise, subtracted, common):
         for name in ("mape", "relmse", "bias", "gpu_ms", "wall_ms")
     }
     curves = {"mape": gather["mape"], "relmse": gather["relmse"] - subtracted, "bias": gather["bias"]}
+    curves["single"] = np.array([run["frame_mape"] for run in runs])
     pictures = np.array(
         [np.nan_to_num(run["image"].astype(float), nan=0, posinf=0, neginf=0) for run in runs]
     )
@@ -163,6 +193,7 @@ def _method(label, runs, truth, noise, subtracted, common):
         curves=curves,
         gpu_ms=gather["gpu_ms"],
         wall_ms=gather["wall_ms"],
+        flip=flip([run["frame"] for run in runs], truth["mean"]),
         single=np.array([single_frames(run) for run in runs]),
         equal_frame={},
         equal_time={},

@@ -99,6 +99,12 @@ def parse(arguments):
         metavar="R",
         help="independent parts of the reference, for its own standard error (%(default)s)",
     )
+    add(
+        "--denoise",
+        action="store_true",
+        help="also measure the error after denoising by Open Image Denoise (needs the package pyoidn)",
+    )
+    add("--brief", action="store_true", help="print the verdict and one narrow table; tables.txt has them all")
     program.add_runner(parser, "out/compare")
     add(
         "--self-test",
@@ -135,6 +141,7 @@ def settings_from(options):
         reference_batches=options.reference_batches,
         motion=Motion(options.circle, options.fps) if options.circle or options.fps else None,
         at=options.at,
+        denoise=options.denoise,
     )
 
 
@@ -157,7 +164,7 @@ def compare(options, cache, pool, display):
     tables.write_csv(findings, out)
     report.write_pictures(findings, out / "images")
     report.write(findings, settings, comparison, out / "report.html")
-    print(text)
+    print(tables.in_brief(findings) if options.brief else text)
     for failure in comparison.failures:
         print(f"failed: {failure}", file=sys.stderr)
     print(

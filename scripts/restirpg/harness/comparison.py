@@ -5,7 +5,7 @@ import os
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from restirpg.harness import UserError, reference, render, scenes
+from restirpg.harness import UserError, denoised, reference, render, scenes
 from restirpg.harness.jobs import Job, Method, digest, file_name, seed_of, without_places
 from restirpg.harness.motion import Motion
 
@@ -34,6 +34,7 @@ class Settings:
     motion: Motion | None = None
     at: tuple = ()  # ascending frames whose own pictures are measured, each against a reference of its own;
     # (): measured is the mean of all frames, after each of them
+    denoise: bool = False  # measure what a denoiser leaves, too
 
 
 @dataclass
@@ -47,6 +48,7 @@ class SceneRuns:
     warnings: list = field(default_factory=list)
     at: tuple = ()  # as in Settings
     noise: tuple = ()  # reference.noise() of each frame of `at`
+    denoised: dict = field(default_factory=dict)  # method label -> denoised.of_runs(); empty: not asked for
 
 
 class Comparison:
@@ -70,6 +72,8 @@ class Comparison:
     def prepare(self):
         """Check scenes, graphs and knobs before anything long starts; raises UserError."""
         settings = self.settings
+        if settings.denoise:
+            render.check_denoiser()
         names = [Path(scene).stem for scene in settings.scenes]
         for name in names:
             if names.count(name) > 1:
@@ -332,7 +336,19 @@ class Comparison:
             warnings,
             self.settings.at,
             tuple(noise[key] for key in keys if noise),
+            self._denoised(plan["methods"][0], runs, truth) if self.settings.denoise and runs else {},
         )
+
+    def _denoised(self, job, runs, truth):
+        """{method label: denoised.of_runs()}, or {} with a failure where the features could not be rendered."""
+        call = denoised.call(job)
+        missing = [] if self.cache.load(call.key) else [call]
+        for _, failure, _ in self._pool.run(missing, kind="call"):
+            if failure:
+                self.failures.append(f"{call.label}: {failure}")
+                return {}
+        found = self.cache.need(call.key)
+        return {label: denoised.of_runs(seeds, found, truth["mean"]) for label, seeds in runs.items()}
 
 
 def cost(job):

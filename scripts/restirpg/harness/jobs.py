@@ -140,13 +140,14 @@ class Call:
     code: str  # hash of the renderer's own files
     allow_outside: bool = False  # the scene may read files that lie outside of its own folder
     label: str = field(default="", compare=False)  # for messages
-    camera, environment = 0, None  # the scene's own
+    camera: int = 0
+    environment: str | None = None  # in place of the scene's; its content is part of scene_hash
 
     @property
     def key(self):
         """32 hexadecimal digits of the call's content."""
         function = f"{self.function.__module__}.{self.function.__qualname__}"
-        content = [function, self.scene_hash, self.settings, self.code]
+        content = [function, self.scene_hash, self.settings, self.code, *([self.camera] if self.camera else [])]
         return digest(json.dumps(content).encode())
 
 

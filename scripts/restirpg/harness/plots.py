@@ -29,7 +29,13 @@ from matplotlib import pyplot  # noqa: E402
 
 # Okabe and Ito's palette: told apart by readers of every colour vision.
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#F0E442"]
-TITLES = {"mape": "MAPE", "relmse": "relMSE, less the reference's noise", "bias": "signed bias of the mean"}
+TITLES = {
+    "mape": "MAPE, %",
+    "single": "MAPE of single frames, %",
+    "relmse": "relMSE, less the reference's noise",
+    "bias": "signed bias of the mean, %",
+}
+PERCENT = ("mape", "single", "bias")  # the unit they have everywhere
 
 
 def _svg(figure):
@@ -45,6 +51,18 @@ def _curve(axes, x, values, colour, label):
     axes.plot(x, mean, color=colour, label=label, linewidth=1.4, marker="o" if len(x) == 1 else None)
     if np.all(np.isfinite(se)):
         axes.fill_between(x, mean - se, mean + se, color=colour, alpha=0.25, linewidth=0)
+
+
+def log_axis(axis):
+    """A logarithmic scale with a handful of plain numbers at its ticks, whatever the range."""
+    low, high = axis.get_view_interval()
+    decades = np.log10(high / low) if low > 0 else 1
+    subs = (1, 2, 5) if decades > 1 else (1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9)
+    locator = matplotlib.ticker.LogLocator(base=10, subs=subs if decades < 3 else (1,), numticks=20)
+    few = sum(low <= tick <= high for tick in locator.tick_values(low, high)) < 3
+    axis.set_major_locator(matplotlib.ticker.MaxNLocator(4) if few else locator)
+    axis.set_major_formatter(matplotlib.ticker.StrMethodFormatter("{x:g}"))
+    axis.set_minor_locator(matplotlib.ticker.NullLocator())
 
 
 def _frame_axis(axes, scene):
@@ -63,17 +81,23 @@ def error_curves(scene, metric, over):
     positive = True
     for number, method in enumerate(scene.methods):
         x = method.frames if over == "frames" else method.gpu_ms.mean(axis=0) / 1e3
-        _curve(axes, x, method.curves[metric], COLOURS[number % len(COLOURS)], method.label)
-        positive &= bool(np.all(method.curves[metric].mean(axis=0) > 0))
+        values = method.curves[metric] * (100 if metric in PERCENT else 1)
+        known = ~np.isnan(values).any(axis=0)  # of a frame alone it is not, where the one before was not read
+        x, values = x[known], values[:, known]
+        _curve(axes, x, values, COLOURS[number % len(COLOURS)], method.label)
+        positive &= bool(values.size and np.all(values.mean(axis=0) > 0))
     axes.set_yscale("log" if positive else "linear")
+    if positive:
+        log_axis(axes.yaxis)
     if over == "frames":
         _frame_axis(axes, scene)
     else:
         axes.set_xscale("log")
+        log_axis(axes.xaxis)
         axes.set_xlabel("GPU time, s")
         axes.axvline(scene.common_ms / 1e3, color="#888", linestyle=":", linewidth=1)
     axes.set_ylabel(TITLES[metric])
-    axes.legend()
+    axes.legend(fontsize=8)
     return _svg(figure)
 
 
@@ -85,8 +109,8 @@ def bias_curves(scene):
     band = 196 * scene.noise["relative_se"]
     axes.axhspan(-band, band, color="#888", alpha=0.2, linewidth=0, label="reference ± 95%")
     _frame_axis(axes, scene)
-    axes.set_ylabel(f"{TITLES['bias']}, %")
-    axes.legend()
+    axes.set_ylabel(TITLES["bias"])
+    axes.legend(fontsize=8)
     return _svg(figure)
 
 
@@ -140,18 +164,20 @@ def memory(scene):
 
 
 def charts(scene):
-    """[(title, svg)] of a scene."""
-    errors = [
-        (f"{metric} over {over}", error_curves(scene, metric, over))
-        for metric in METRICS
-        for over in (("frames",) if scene.at else ("frames", "time"))
-    ]
+    """[(title, svg)] of a scene's curves: six, or three of single frames, to fill rows of three."""
+    if scene.at:
+        errors = [(metric, "frames") for metric in METRICS]
+    else:
+        errors = [("single", "frames"), *((metric, over) for metric in METRICS for over in ("frames", "time"))]
     return [
-        *errors,
+        *((f"{metric} over {over}", error_curves(scene, metric, over)) for metric, over in errors),
         ("bias over frames", bias_curves(scene)),
-        ("cost of passes", pass_costs(scene)),
-        ("memory", memory(scene)),
     ]
+
+
+def bars(scene):
+    """[(title, svg)] of a scene's costs."""
+    return [("cost of passes", pass_costs(scene)), ("memory", memory(scene))]
 
 
 def colour_map(name, entries=128):

@@ -42,7 +42,7 @@ def refusals():
 
 #: Of the package, what a run's or call's result depends on.
 MEASURING = (
-    "evaluate.py", "graph.py", "harness/cell_counts.py", "harness/guide_maps.py", "harness/guiding.py", "harness/measure.py",
+    "evaluate.py", "graph.py", "harness/cell_counts.py", "harness/denoised.py", "harness/guide_maps.py", "harness/guiding.py", "harness/measure.py",
     "harness/motion.py", "harness/paper/figure_4.py", "harness/render.py",
 )  # fmt: skip
 #: Environment variables that results depend on: whence shaders and passes are taken, and what slows a frame.
@@ -84,6 +84,12 @@ def check_code(code):
     """Raise Halt unless the renderer's files are still those of that code_version()."""
     if code != code_version():
         raise Halt("the renderer's own files have changed since the start; start the same command again")
+
+
+def check_denoiser():
+    """Raise UserError unless pictures can be denoised."""
+    if not restirpg.have_denoiser():
+        raise UserError("--denoise needs the Python package pyoidn, which is not installed: pip install pyoidn")
 
 
 def describe_graph(file):

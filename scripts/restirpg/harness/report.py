@@ -3,6 +3,7 @@
 import base64
 import datetime
 import difflib
+import io
 import json
 import shlex
 import subprocess
@@ -15,11 +16,14 @@ import numpy as np
 from restirpg.harness import files, plots, render, tables
 from restirpg.harness import statistics as st
 from restirpg.harness.jobs import file_name
+from restirpg.harness.paper import pictures
+
+from matplotlib import pyplot  # isort: skip  (plots has chosen the backend)
 
 FOLDER = Path(__file__).resolve().parent
 # Bytes of half floats in one report; single frames and means of seeds are left out first.
 PICTURE_BUDGET = 96 << 20
-KINDS = {"image": "picture (first seed)", "mean": "mean of all seeds", "frame": "last frame alone"}
+KINDS = {"image": "picture (first seed)", "mean": "mean of all seeds", "frame": "last frame alone", "denoised": "last frame, denoised"}
 
 
 def _half(image):
@@ -30,7 +34,13 @@ def _half(image):
 
 def _kinds_within_budget(findings):
     pixels = sum(method.images["image"].size * 2 for scene in findings for method in scene.methods)
-    return [kind for number, kind in enumerate(KINDS, 1) if number == 1 or number * pixels <= PICTURE_BUDGET]
+    there = _kinds_there(findings)
+    return [kind for number, kind in enumerate(there, 1) if number == 1 or number * pixels <= PICTURE_BUDGET]
+
+
+def _kinds_there(findings):
+    """The kinds of pictures that all methods have."""
+    return [kind for kind in KINDS if all(kind in method.images for scene in findings for method in scene.methods)]
 
 
 def _viewer_data(scene, kinds):
@@ -98,6 +108,39 @@ def _graphs(scene):
         (labels[0], label, side_by_side(first, graph_lines(scene.descriptions[label])))
         for label in labels[1:] or labels
     ]
+
+
+def _png(pixels):
+    """sRGB pixels in [0, 1] as a data URI."""
+    stream = io.BytesIO()
+    pyplot.imsave(stream, pixels)
+    return f"data:image/png;base64,{base64.b64encode(stream.getvalue()).decode()}"
+
+
+def _crops(scene):
+    """[(label, [two crops], error)] of the reference and of each method's last frame: where the methods differ most."""
+    truth = scene.reference["mean"].astype(float)
+    frames = {method.label: method.images["frame"] for method in scene.methods}
+    corners, side = pictures.crops_of([pictures.relative_error([frame], truth) for frame in frames.values()])
+    exposure = pictures.exposure_of(truth)
+
+    def cut(image):
+        shown = pictures.displayable(image, exposure)
+        return [_png(shown[y : y + side, x : x + side]) for x, y in corners]
+
+    def error(method):
+        values = st.mean_se(method.curves["mape"][:, -1] if scene.at else method.single)
+        return f"MAPE {tables.with_error(*values, 100, '%')}"
+
+    return [("reference", cut(truth), "")] + [
+        (method.label, cut(frames[method.label]), error(method)) for method in scene.methods
+    ]
+
+
+def exr_names(scene):
+    """{label: the name of its EXR} of the reference and each method."""
+    stem = Path(scene.scene).stem
+    return {label: f"{stem}.{file_name(label)}.exr" for label in ("reference", *(m.label for m in scene.methods))}
 
 
 def commit():
@@ -184,31 +227,38 @@ def template(name):
     return environment.get_template(name)
 
 
-def scene_views(findings):
-    """What scene.html.j2 shows: (one dictionary a scene, what all scenes of the page share)."""
+def _encoded(charts):
+    return [(title, base64.b64encode(svg.encode()).decode()) for title, svg in charts]
+
+
+def scene_views(findings, folder=None):
+    """What scene.html.j2 shows: (one dictionary per scene, what all scenes of the page share). folder: of the EXR
+    files, beside the page; None: there are none."""
     kinds = _kinds_within_budget(findings)
     scenes = [
         {
             "name": scene.scene,
             "findings": scene,
-            "verdict": tables.verdict_lines(scene),
+            "verdict": tables.verdict_sentence(scene),
+            "crops": _crops(scene),
+            "exr": exr_names(scene),
             "reference": tables.reference_line(scene),
-            "tables": [*tables.error_tables(scene), tables.quality_table(scene)],
+            "tables": tables.all_tables(scene),
             "graphs": _graphs(scene),
-            "charts": [
-                (title, base64.b64encode(svg.encode()).decode()) for title, svg in plots.charts(scene)
-            ],
+            "charts": _encoded(plots.charts(scene)),
+            "bars": _encoded(plots.bars(scene)),
             "data": json.dumps(_viewer_data(scene, kinds)).replace("<", "\\u003c"),
         }
         for scene in findings
     ]
     maps = {"error": plots.colour_map("inferno"), "signed": plots.colour_map("RdBu_r")}
     return scenes, {
+        "exr_folder": folder,
         "style": (FOLDER / "report.css").read_text(),
         "script": (FOLDER / "viewer.js").read_text(),
         "maps": json.dumps(maps),
         "kinds": {kind: KINDS[kind] for kind in kinds},
-        "left_out": [KINDS[kind] for kind in KINDS if kind not in kinds],
+        "left_out": [KINDS[kind] for kind in _kinds_there(findings) if kind not in kinds],
         "significant": tables.is_significant,
         "level": 100 * st.LEVEL,
     }
@@ -216,7 +266,7 @@ def scene_views(findings):
 
 def write(findings, settings, comparison, file):
     """Write the report of `findings` to `file`."""
-    scenes, shared = scene_views(findings)
+    scenes, shared = scene_views(findings, "images")
     text = template("report.html.j2").render(
         title=", ".join(method.label for method in settings.methods),
         scenes=scenes,
@@ -228,18 +278,20 @@ def write(findings, settings, comparison, file):
 
 
 def write_pictures(findings, folder):
-    """Write SCENE.METHOD.exr, references too: the first seed's picture, and the seeds' mean as a layer."""
+    """Write SCENE.METHOD.exr, references too: the first seed's picture; as layers the seeds' mean, the last frame alone,
+    and that frame denoised where it was."""
     files.make_folder(folder, "--out")
     for scene in findings:
-        stem = Path(scene.scene).stem
+        names = exr_names(scene)
         render.write_exr(
-            folder / f"{stem}.reference.exr",
+            folder / names["reference"],
             {"": scene.reference["mean"]},
             {"reference": json.dumps(scene.reference["meta"])},
         )
         for method in scene.methods:
+            layers = {kind: method.images[kind] for kind in ("mean", "frame", "denoised") if kind in method.images}
             render.write_exr(
-                folder / f"{stem}.{file_name(method.label)}.exr",
-                {"": method.images["image"], "mean": method.images["mean"]},
+                folder / names[method.label],
+                {"": method.images["image"], **layers},
                 {"graph": json.dumps(scene.descriptions[method.label])},
             )

@@ -31,7 +31,9 @@ def with_error(value, error, scale=1.0, unit=""):
 
 def error_of(method, metric, mode):
     """Mean and standard error over seeds: after the last frame ("frame"), at equal "time", of "single" frames
-    (MAPE alone), or at a frame."""
+    (MAPE alone), or at a frame. Metric "denoised": MAPE after denoising of the last "frame" or the whole "image"."""
+    if metric == "denoised":
+        return st.mean_se(method.denoised[mode])
     if mode == "single":
         return st.mean_se(method.single)
     if mode in ("frame", "time"):
@@ -113,11 +115,13 @@ def equal_tables(scene):
             method.label,
             with_error(*st.mean_se(method.single), 100, "%"),
             verdict(method, scene.methods[0], "mape", "single"),
+            *([] if method.flip is None else [with_error(*st.mean_se(method.flip))]),
         ]
         for method in scene.methods
     ]
     title = f"Single frames: the last {100 * SETTLED:.0f}% of the run"
-    tables.insert(1, (title, ["method", "MAPE", "against the first"], rows))
+    flip = [] if scene.methods[0].flip is None else ["FLIP of the last frame"]
+    tables.insert(1, (title, ["method", "MAPE", "against the first", *flip], rows))
     return tables
 
 
@@ -156,25 +160,66 @@ def error_tables(scene):
     return _single_frame_tables(scene) if scene.at else equal_tables(scene)
 
 
-def _compared_in_words(method, baseline, mode):
-    """`NAME errs 5.4% less (p = 0.01)`, or that no difference is known."""
-    p = method.adjusted.get(("mape", mode), float("nan"))
-    own, other = (error_of(each, "mape", mode)[0] for each in (method, baseline))
-    if not p < st.LEVEL or not other > 0:
-        return f"{method.label} is not told apart from it"
-    return f"{method.label} errs {100 * abs(1 - own / other):.2g}% {'less' if own < other else 'more'} (p = {max(p, 1e-99):.1g})"
+def _compared_in_words(scene, mode):
+    """What is known of one way of comparing, by MAPE: who errs how much less or more than the first method, and who is
+    not told apart from it; None where nobody is."""
+    baseline, *others = scene.methods
+    known, unknown = [], []
+    for method in others:
+        p = method.adjusted.get(("mape", mode), float("nan"))
+        own, other = (error_of(each, "mape", mode)[0] for each in (method, baseline))
+        if p < st.LEVEL and other > 0:
+            change = f"{100 * abs(1 - own / other):.2g}% {'less' if own < other else 'more'}"
+            known.append(f"{method.label} has {change} error" if not known else f"{method.label} {change}")
+        else:
+            unknown.append(method.label)
+    if not known:
+        return None
+    known[0] += f" than {baseline.label}"
+    rest = f"; {' and '.join(unknown)} {'is' if len(unknown) == 1 else 'are'} not told apart from it" if unknown else ""
+    return ", ".join(known) + rest
 
 
-def verdict_lines(scene):
-    """What was found, in a sentence a way of comparing: MAPE against the first method, all others named."""
+def verdict_sentence(scene):
+    """What was found, in one sentence of plain words: MAPE against the first method."""
     baseline, *others = scene.methods
     if not others:
+        return ""
+    ways = {_test_of(scene, scene.at[-1]): f"in frame {scene.at[-1]}"} if scene.at else {
+        "single": "in single frames", "time": "at equal time"}
+    found = {words: _compared_in_words(scene, mode) for mode, words in ways.items()}
+    who = f"{others[0].label} is not" if len(others) == 1 else "no method is"
+    if not any(found.values()):
+        text = f"{who} told apart from {baseline.label}, {' or '.join(found)}"
+    else:
+        text = "; ".join(f"{words}, {said or f'{who} told apart from {baseline.label}'}" for words, said in found.items())
+    return text[0].upper() + text[1:] + "."
+
+
+def denoised_tables(scene):
+    """[(title, header, rows)] of errors after denoising; none where that was not asked for."""
+    baseline = scene.methods[0]
+    if not baseline.denoised:
         return []
-    ways = [(_test_of(scene, scene.at[-1]), f"In frame {scene.at[-1]}")] if scene.at else [
-        ("single", "In single frames"), ("time", f"At equal time ({scene.common_ms / 1e3:.3g} s of GPU time)")]
-    return [f"{words}, against {baseline.label} and by {scene.seeds} seeds: " +
-            "; ".join(_compared_in_words(method, baseline, mode) for method in others) + "."
-            for mode, words in ways]
+    kinds = {"frame": f"frame {scene.at[-1]}" if scene.at else "last frame"}
+    if not scene.at:
+        kinds["image"] = f"mean of {int(baseline.frames[-1])} frames"
+    header = ["method", *(text for kind in kinds.values() for text in (f"{kind}, denoised", "against the first"))]
+    rows = [
+        [
+            method.label,
+            *(
+                text
+                for kind in kinds
+                for text in (
+                    with_error(*error_of(method, "denoised", kind), 100, "%"),
+                    verdict(method, baseline, "denoised", kind),
+                )
+            ),
+        ]
+        for method in scene.methods
+    ]
+    return [("Error after denoising: MAPE of what Open Image Denoise makes of the picture", header, rows)]
 
 
 def quality_table(scene):
@@ -219,18 +264,23 @@ def reference_line(scene):
     )
 
 
+def all_tables(scene):
+    """[(title, header, rows)] of everything that is told of a scene."""
+    return [*error_tables(scene), *denoised_tables(scene), quality_table(scene)]
+
+
 def as_text(findings, width=None):
     """The tables of all scenes for a terminal; the same findings give the same text."""
     stream = io.StringIO()
     console = Console(file=stream, width=width or 170)
     for scene in findings:
         console.print(f"\n{scene.scene}  ({scene.seeds} seeds)", style="bold", highlight=False)
-        for line in verdict_lines(scene):
-            console.print(line, highlight=False)
+        if sentence := verdict_sentence(scene):
+            console.print(sentence, highlight=False)
         console.print(reference_line(scene), highlight=False)
         for warning in scene.warnings:
             console.print(f"warning: {warning}", highlight=False)
-        for title, header, rows in [*error_tables(scene), quality_table(scene)]:
+        for title, header, rows in all_tables(scene):
             table = Table(title=title, box=rich.box.SIMPLE_HEAD, title_justify="left")
             for number, name in enumerate(header):
                 table.add_column(name, justify="left" if number == 0 else "right", overflow="fold")
@@ -246,6 +296,41 @@ def as_text(findings, width=None):
     return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
 
 
+def in_brief(findings):
+    """The verdict of each scene and one table of at most 80 columns."""
+    stream = io.StringIO()
+    console = Console(file=stream, width=80)
+    for scene in findings:
+        console.print(f"\n{scene.scene}, {scene.seeds} seeds", style="bold", highlight=False)
+        if sentence := verdict_sentence(scene):
+            console.print(sentence, highlight=False)
+        mode = _test_of(scene, scene.at[-1]) if scene.at else "single"
+        columns = [(f"frame {scene.at[-1]}" if scene.at else "one frame", "mape", mode)]
+        columns += [] if scene.at else [("equal time", "mape", "time")]
+        columns += [("denoised", "denoised", "frame")] if scene.methods[0].denoised else []
+        table = Table(box=rich.box.SIMPLE_HEAD)
+        table.add_column("method", overflow="fold")
+        for title, _, _ in columns:
+            table.add_column(title, justify="right", no_wrap=True)
+        table.add_column("ms/frame", justify="right", no_wrap=True)
+        for method in scene.methods:
+            cells = [_short(method, metric, kind) for _, metric, kind in columns]
+            table.add_row(method.label, *cells, f"{st.mean_se(method.gpu_ms[:, -1] / method.frames[-1])[0]:.0f}")
+        console.print(table, highlight=False)
+    console.print(
+        f"Errors (MAPE) ± one standard error over seeds; * differs from the first method ({100 * st.LEVEL:.0f}% over all tests).",
+        highlight=False,
+    )
+    return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
+
+
+def _short(method, metric, mode):
+    """An error in percent to one place, with a star where the method was told apart from the first."""
+    value, error = (100 * number for number in error_of(method, metric, mode))
+    mark = "*" if method.adjusted.get((metric, mode), 1) < st.LEVEL else " "
+    return "—" if math.isnan(value) else f"{value:.1f} ± {error:.1f}% {mark}"
+
+
 def _write(path, header, rows):
     stream = io.StringIO(newline="")
     writer = csv.writer(stream)
@@ -257,11 +342,14 @@ def _write(path, header, rows):
 def write_csv(findings, folder):
     """Write runs.csv (every seed and measured frame) and summary.csv (every method) into `folder`.
 
-    Where single frames are measured, frames.csv too: every method and frame.
+    Where single frames are measured, frames.csv too: every method and frame. Errors after denoising are in
+    denoised.csv alone.
     """
     folder = Path(folder)
     if any(scene.at for scene in findings):
         _write_frames(findings, folder / "frames.csv")
+    if any(method.denoised for scene in findings for method in scene.methods):
+        _write_denoised(findings, folder / "denoised.csv")
     names = ("mape", "relmse", "bias")
     rows = [
         [
@@ -318,6 +406,18 @@ def write_csv(findings, folder):
             ]
             rows.append([value if isinstance(value, str) else f"{float(value):.9g}" for value in row])
     _write(folder / "summary.csv", header, rows)
+
+
+def _write_denoised(findings, file):
+    """MAPE after denoising of every seed's last frame and mean of all frames."""
+    rows = [
+        [scene.scene, method.label, seed, *(f"{method.denoised[kind][seed]:.9g}" for kind in ("frame", "image"))]
+        for scene in findings
+        for method in scene.methods
+        if method.denoised
+        for seed in range(scene.seeds)
+    ]
+    _write(file, ["scene", "method", "seed", "mape_denoised_frame", "mape_denoised_image"], rows)
 
 
 def _write_frames(findings, file):

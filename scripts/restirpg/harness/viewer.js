@@ -26,7 +26,7 @@ class Viewer {
         this.data = JSON.parse(root.querySelector("script").textContent);
         this.pictures = this.data.pictures;
         this.decoded = new Map();
-        this.state = { mode: "split", a: 0, b: Math.max(this.pictures.length - 2, 0), view: "image", exposure: this.data.exposure, scale: 0, split: 0.5, shown: "a" };
+        this.state = { mode: "split", a: Math.min(1, this.pictures.length - 1), b: this.pictures.length - 1, view: root.querySelector(".view option[value=frame]") ? "frame" : "image", exposure: this.data.exposure, scale: 0, split: 0.5, shown: "a" };
         root.style.setProperty("--aspect", this.data.width / this.data.height);
         this.resetView();
         this.buildControls();
@@ -46,6 +46,7 @@ class Viewer {
             select.value = this.state[side];
             select.onchange = () => this.set({ [side]: Number(select.value) });
         }
+        this.find(".view").value = this.state.view;
         this.find(".view").onchange = event => this.set({ view: event.target.value });
         for (const name of ["exposure", "scale"]) {
             const input = this.find(`.${name} input`);

@@ -1,0 +1,69 @@
+"""Denoising: what is asked of the optional package pyoidn, which a stand-in plays where it is not installed."""
+
+import csv
+import importlib.util
+import sys
+import types
+from pathlib import Path
+
+import numpy as np
+import pytest
+from harness_runs import ENVIRONMENT, compare
+from renderer_scenes import make_renderer, restirpg, scene, scene_file  # noqa: F401
+
+
+def rows(file):
+    """A CSV file's rows."""
+    with open(file) as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_without_the_package_one_line_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyoidn", None)
+    with pytest.raises(ImportError, match="pip install pyoidn"):
+        restirpg.denoise(np.zeros((4, 4, 3)))
+
+
+def test_the_denoiser_is_given_clean_pictures_of_one_shape(monkeypatch):
+    given = {}
+    stand_in = types.SimpleNamespace(denoise=lambda *images, **settings: given.update(images=images, **settings) or images[0])
+    monkeypatch.setitem(sys.modules, "pyoidn", stand_in)
+    image = np.array([[[np.nan, -1, 2]]])
+    restirpg.denoise(image, albedo=np.ones((1, 1, 3)))
+    assert given["images"][0].tolist() == [[[0, 0, 2]]] and given["images"][2] is None and given["hdr"]
+    with pytest.raises(ValueError, match="'normal' has the shape"):
+        restirpg.denoise(image, normal=np.ones((2, 1, 3)))
+
+
+@pytest.mark.skipif(not importlib.util.find_spec("pyoidn"), reason="pyoidn is not installed: no picture is denoised")
+def test_a_denoised_picture_is_nearer_to_the_truth(scene):  # noqa: F811
+    renderer = make_renderer(scene, outputs=["albedo", "normal"])
+    renderer.render(2)
+    noisy, aids = renderer.output("image"), [renderer.output(name) for name in ("albedo", "normal")]
+    renderer.render(254)
+    truth = renderer.output("image")
+    errors = [restirpg.measure_errors(image, truth)["mape"] for image in (restirpg.denoise(noisy, *aids), noisy)]
+    assert errors[0] < 0.8 * errors[1]
+
+
+def test_errors_after_denoising_stand_apart(tmp_path, monkeypatch):
+    """The stand-in halves the noise, and so the error of a picture that is measured beside a much better reference."""
+    folder = Path(__file__).parent / "fake_denoiser"
+    monkeypatch.setitem(ENVIRONMENT, "PYTHONPATH", f"{folder}:{ENVIRONMENT['PYTHONPATH']}")
+    methods, options = ("plain.json", "plain.json@noise=0.5,label=quiet"), {"reference_frames": 4096, "cache": "runs"}
+    assert compare(tmp_path, *methods, out="plain", **options).returncode == 0
+    run = compare(tmp_path, *methods, denoise=[], **options)
+    assert run.returncode == 0, run.stderr
+    assert not (tmp_path / "plain/denoised.csv").exists()
+    for name in ("summary.csv", "runs.csv"):  # the other figures do not change
+        assert (tmp_path / "out" / name).read_text() == (tmp_path / "plain" / name).read_text()
+    assert "Error after denoising" in run.stdout and "Error after denoising" not in (tmp_path / "plain/tables.txt").read_text()
+    before = {(row["method"], row["seed"]): float(row["mape"]) for row in rows(tmp_path / "out/runs.csv") if row["frame"] == "8"}
+    after = {(row["method"], row["seed"]): float(row["mape_denoised_image"]) for row in rows(tmp_path / "out/denoised.csv")}
+    assert len(after) == 8 and all(after[run] == pytest.approx(0.5 * before[run], rel=0.1) for run in after)
+    assert "last frame, denoised" in (tmp_path / "out/report.html").read_text()
+
+
+def test_a_comparison_cannot_denoise_without_the_package(tmp_path):
+    run = compare(tmp_path, denoise=[])
+    assert run.returncode == 2 and "pip install pyoidn" in run.stderr and run.stderr.count("\n") == 1
