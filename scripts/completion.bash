@@ -1,4 +1,5 @@
-# Tab completion of the program restirpg for Bash: `source scripts/completion.bash`. Pass types come from the program itself.
+# Tab completion for Bash: `source scripts/completion.bash`. Pass types and options of restirpg come from the program itself, the
+# Python programs answer through argcomplete.
 _restirpg()
 {
     local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} program=${COMP_WORDS[0]} words=
@@ -21,3 +22,7 @@ _restirpg()
     COMPREPLY=($(compgen -W "$words" -- "$word"))
 }
 complete -o filenames -F _restirpg restirpg build/bin/restirpg
+for _program in compare make_scenes reproduce see_guide; do
+    command -v register-python-argcomplete >/dev/null && eval "$(register-python-argcomplete "$_program.py" "scripts/$_program.py")"
+done
+unset _program

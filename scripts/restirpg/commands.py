@@ -18,6 +18,15 @@ def _run(module):
         return 2
 
 
+def parsed(parser, arguments):
+    """What parser.parse_args gives; where a shell asks for completions, they are the answer, by argcomplete."""
+    if "_ARGCOMPLETE" in os.environ:
+        import argcomplete
+
+        argcomplete.autocomplete(parser)
+    return parser.parse_args(arguments)
+
+
 def compare():
     """Compare methods."""
     return _run("restirpg.harness.compare")

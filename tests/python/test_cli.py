@@ -368,3 +368,12 @@ def test_the_tables_of_a_readme_are_those_the_pass_declares(readme):
     code, output, errors = restirpg("describe", readme.parent.name, "--markdown")
     assert (code, errors) == (0, "")
     assert output in readme.read_text()
+
+
+def test_a_python_program_answers_a_shell_that_asks_for_completions():
+    pytest.importorskip("argcomplete")
+    line = f"{ROOT}/scripts/compare.py --den"
+    environment = {**os.environ, "_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n", "COMP_LINE": line, "COMP_POINT": str(len(line))}
+    run = subprocess.run(["bash", "-c", f"/usr/bin/python3 {ROOT}/scripts/compare.py 8>&1 >/dev/null"], env=environment,
+                         capture_output=True, text=True, check=False)
+    assert run.stdout.split() == ["--denoise"], run.stderr

@@ -18,6 +18,7 @@ import sys
 import time
 from pathlib import Path
 
+from restirpg import commands
 from restirpg.harness import UserError, analysis, files, program, render, report, selftest, tables
 from restirpg.harness.comparison import PATH_TRACER, Comparison, Settings
 from restirpg.harness.jobs import parse_method
@@ -112,7 +113,7 @@ def parse(arguments):
         help="measure the harness: false alarms between equal methods, power to find a 1%% error of energy",
     )
     add("--trials", type=program.positive, default=60, help="of the self-test (%(default)s)")
-    return parser.parse_args(arguments)
+    return commands.parsed(parser, arguments)
 
 
 def settings_from(options):

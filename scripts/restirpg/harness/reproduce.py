@@ -15,6 +15,7 @@ import sys
 import time
 from dataclasses import replace
 
+from restirpg import commands
 from restirpg.harness import UserError, files, program, render
 from restirpg.harness.paper import experiments, page, paper
 
@@ -50,7 +51,7 @@ def parse(arguments):
     add("--reference-graph", metavar="GRAPH", help="what renders the references (graphs/path_tracer.py)")
     add("--bounces", type=program.positive, metavar="N", help="bounce cap (each scene's, or the graphs' own)")
     program.add_runner(parser, "out/reproduce")
-    return parser.parse_args(arguments)
+    return commands.parsed(parser, arguments)
 
 
 def describe(size):

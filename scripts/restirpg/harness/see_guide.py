@@ -24,6 +24,7 @@ from pathlib import Path
 import numpy as np
 
 import restirpg
+from restirpg import commands
 from restirpg.harness import files, program, render
 
 
@@ -42,7 +43,7 @@ def parse(arguments):
     parser.add_argument("--raw", action="store_true")
     parser.add_argument("--markdown", type=Path)
     parser.add_argument("-o", type=Path, default=Path("out/guide.png"))
-    return parser.parse_args(arguments)
+    return commands.parsed(parser, arguments)
 
 
 def see(arguments):

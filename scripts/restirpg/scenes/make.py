@@ -4,6 +4,7 @@ import argparse
 import pathlib
 import sys
 
+from restirpg import commands
 from restirpg.harness import UserError, files
 from restirpg.scenes import SCENES
 
@@ -24,7 +25,7 @@ def parse(arguments):
     parser.add_argument("--out", type=pathlib.Path, default=DEFAULT_FOLDER, metavar="DIR",
                         help="folder to write to, made if missing (default: %(default)s)")
     parser.add_argument("--list", action="store_true", help="list the scenes, with what each one is for")
-    arguments = parser.parse_args(arguments)
+    arguments = commands.parsed(parser, arguments)
     for name in arguments.names:
         if name not in SCENES:
             parser.error(f"no scene '{name}'; there are: {', '.join(SCENES)}")
