@@ -359,6 +359,7 @@ def test_bash_completes_pass_types_and_options():
     assert completed(str(PROGRAM), "des") == ["describe"]
     assert completed(str(PROGRAM), "describe", "GuidingS") == ["GuidingScreen", "GuidingSplat"]
     assert completed(str(PROGRAM), "render", "--exp") == ["--exposure"]
+    assert completed(str(PROGRAM), "render", f"{ROOT}/graphs/restir_pg.") == [f"{ROOT}/graphs/restir_pg.py"]
 
 
 @pytest.mark.parametrize(
