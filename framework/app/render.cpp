@@ -228,8 +228,8 @@ void writeResults(Renderer& renderer, const Options& options, const std::string&
             fmt::print("wrote {}\n", escaped(file));
     if (!reference.empty()) {
         const Errors errors = measureErrors(image, reference);
-        fmt::print("against {}: MAPE {:.6g}, relMSE {:.6g}, RMSE {:.6g}, bias {:+.4g}, invalid pixels {}\n",
-                   escaped(options.reference), errors.mape, errors.relMse, errors.rmse, errors.bias, errors.invalid);
+        fmt::print("against {}: MAPE {:.4g}%, relMSE {:.4g}, RMSE {:.4g}, bias {:+.3g}%, invalid pixels {}\n",
+                   escaped(options.reference), 100 * errors.mape, errors.relMse, errors.rmse, 100 * errors.bias, errors.invalid);
     }
 }
 

@@ -1,6 +1,6 @@
-// A guide is a plug: what PathTracerGuided knows of one. The pass that makes a guide names the GLSL file that gives the buffer a
-// meaning (PortType::module, interface.h); a kernel that reads the port is compiled with GUIDED = 1 and that file as
-// guide_module.glsl. The module defines
+// The interface of a guide: the functions by which PathTracerGuided samples directions from it. A pass that makes a guide names the
+// GLSL file with these functions (PortType::module, interface.h). A kernel that reads the guide is compiled with GUIDED = 1 and with
+// that file as guide_module.glsl. The file defines
 //
 //   struct Guide { ... };                                                  one place's distribution, in registers
 //   bool guide_lookup(Address guide, GuideQuery query, out Guide g);       false: no guidance here

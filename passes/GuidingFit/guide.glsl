@@ -1,4 +1,4 @@
-// What a guide of GuidingFit means: in each cell of the grid a mixture of von Mises-Fisher lobes (see shaders/guide.glsl).
+// The functions of shaders/guide.glsl for GuidingFit's guide: a mixture of von Mises-Fisher lobes in each cell of the grid.
 #include "guiding_grid.glsl"
 #include "vmf_mixture.glsl"
 

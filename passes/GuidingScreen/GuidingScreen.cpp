@@ -35,7 +35,7 @@ public:
         io.input("history", history_, statistics, "the output statistics, one frame ago: prev(\"guide.statistics\")");
         io.ofFrameBefore();
         io.output("guide", guide_, guide("ScreenGuide", perPixel<ScreenLobe>(""), passFile("guide.glsl")),
-                  "one lobe a pixel, for the bounce at the primary hit");
+                  "one lobe per pixel, for the bounce at the primary hit");
         io.output("statistics", statistics_, statistics, "weighted moments of the directions that each pixel has seen");
         io.output("direction", direction_, image(3), "the lobe's mean direction as a colour, (1 + xyz) / 2; black where there is no lobe");
         io.output("peak", peak_, image(1), "the lobe's density at its mean direction, 1/sr");
@@ -43,12 +43,12 @@ public:
                   "a Gaussian in the equal-area square of the hemisphere about the normal, or a von Mises-Fisher lobe");
         io.knob("product", product_, "fit the incident radiance times BSDF and cosine; off: the radiance alone");
         io.knob("smoothing_floor", smoothingFloor_, 0.001f, 1,
-                "least share of a new sample in the moments; until then they are plain means");
-        io.knob("neighbours", neighbours_, 0, MAX_NEIGHBOURS, "pixels of the 5x5 window around that lend their last sample");
-        io.knob("prior", prior_, 0, 1000, "how many samples, spread evenly over the hemisphere, each fit is mixed with");
+                "smallest share that a new sample has in the moments; before it is reached, they are plain means");
+        io.knob("neighbours", neighbours_, 0, MAX_NEIGHBOURS, "random pixels of the 5x5 window around this one whose last sample is used, too");
+        io.knob("prior", prior_, 0, 1000, "samples, spread evenly over the hemisphere, that are added to each fit: a larger value makes lobes wider");
         io.knob("regularisation", regularisation_, 0, 0.1f, "variance added to the lobe on each axis of the unit square");
-        io.knob("normal_threshold", normalThreshold_, -1, 1, "least cosine between the shading normals of pixels that share");
-        io.knob("depth_threshold", depthThreshold_, 0, 1000, "most relative difference of their distances from the camera");
+        io.knob("normal_threshold", normalThreshold_, -1, 1, "smallest cosine between the shading normals of pixels that share samples");
+        io.knob("depth_threshold", depthThreshold_, 0, 1000, "largest relative difference of their distances from the camera");
     }
 
     void build(Device& device) override { kernel_ = Kernel(device, passFile("GuidingScreen.comp")); }

@@ -1,4 +1,4 @@
-// The guide's module (shaders/guide.glsl): one lobe a pixel, for the bounce at the primary hit alone.
+// The functions of shaders/guide.glsl for GuidingScreen's guide: one lobe per pixel, for the bounce at the primary hit only.
 #include "lobe.glsl"
 
 #define Guide PlacedLobe

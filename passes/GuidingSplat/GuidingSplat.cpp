@@ -19,18 +19,18 @@ public:
     void describe(Interface& io) override
     {
         // Whatever the bounce cap, readers take the vertices' count a pixel from the buffer's size.
-        io.optionalInput("vertices", vertices_, fixedSize("PathVertices", {}), "bounces of resampled paths, all of one weight (or `samples`)");
-        io.optionalInput("samples", samples_, fixedSize("GuidingSamples", {}), "bounces of raw path trees, weighted by the light that came back (or `vertices`)");
+        io.optionalInput("vertices", vertices_, fixedSize("PathVertices", {}), "bounces of resampled paths, each of weight 1; wire this or `samples`");
+        io.optionalInput("samples", samples_, fixedSize("GuidingSamples", {}), "bounces of raw path trees, weighted by the light that came back; wire this or `vertices`");
         io.optionalInput("guide", guide_, fixedSize("GridGuide", {}), "the guide that drew the paths, one frame ago: prev(\"fit.guide\")");
-        io.output("statistics", statistics_, fixedSize("GuidingStatistics", [this] { return bytes(); }), "sufficient statistics of this frame, a cell");
+        io.output("statistics", statistics_, fixedSize("GuidingStatistics", [this] { return bytes(); }), "sufficient statistics of this frame, per cell");
         io.knob("cells", cells_, 1u << 10, 1u << 21, "slots of the hash table, rounded up to a power of two");
         io.structural();
-        io.knob("cell_size", cellSize_, 1e-3f, 1, "most that a cell's side spans, of the image's height");
-        io.knob("smallest_cell", smallestCell_, 1e-5f, 1, "least side of a cell, of the scene's radius");
+        io.knob("cell_size", cellSize_, 1e-3f, 1, "largest side of a cell as seen in the image, as a share of the image's height");
+        io.knob("smallest_cell", smallestCell_, 1e-5f, 1, "smallest side of a cell, as a share of the scene's radius");
         io.structural();
-        io.choice("final_edges", finalEdges_, FINAL_EDGES, "of vertices, which edges that end on a light count: all, those found by scattering, or none");
-        io.knob("incident", incident_, "divide vertices by the BSDF and the cosine, so that lobes fit the incident radiance alone");
-        io.knob("parallax", parallax_, "add up distances and places, too, for lobes that are re-aimed within their cell");
+        io.choice("final_edges", finalEdges_, FINAL_EDGES, "which path edges that end on a light are added: all, only those found by scattering, or none");
+        io.knob("incident", incident_, "divide by the BSDF and the cosine, so that lobes fit the incident radiance alone");
+        io.knob("parallax", parallax_, "also add up distances and positions, so that GuidingFit can aim lobes by them (its `parallax`)");
         io.structural();
     }
 

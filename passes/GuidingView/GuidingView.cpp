@@ -19,8 +19,8 @@ public:
         io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
         io.ofThisFrame();
         io.input("guide", guide_, fixedSize("GridGuide", {}), "a guide of GuidingFit, of this frame or the one before");
-        io.output("image", image_, image(3), "false colours of the cells that the pixels see; black: no guidance there");
-        io.choice("show", show_, VIEWS, "cell: a colour each; level of the grid; samples last fitted to; frames since then; largest kappa; weight of the heaviest lobe; probability of the guide that the cell has learnt");
+        io.output("image", image_, image(3), "false colours of the cells that the pixels see; black: no guide there");
+        io.choice("show", show_, VIEWS, "what to show: cell: a random colour per cell; level: level of the grid; samples: number at the last fit; age: frames since the last fit; kappa: the largest; weight: of the heaviest lobe; guided: learned probability of the guide");
     }
 
     void build(Device& device) override

@@ -22,7 +22,7 @@ public:
     {
         io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
         io.ofThisFrame();
-        io.optionalInput("guide", guide_, anyGuide(), "directions worth sampling, with the GLSL module of the pass that makes them; unwired: a plain path tracer");
+        io.optionalInput("guide", guide_, anyGuide(), "directions to sample, with the GLSL module of the pass that makes them; unwired: a plain path tracer");
         io.output("radiance", radiance_, image(3), "one path's estimate of the light scattered to the camera, W/sr/m^2, without emission of the primary hit");
         io.output("candidates", candidates_, perPixel<PathReservoir>("PathReservoir"),
                   "one path a pixel, resampled from all that end on the way of a path tree; without direct light but what delta lobes find");
@@ -30,10 +30,10 @@ public:
         io.output("vertices", vertices_, severalPerPixel<PathVertex>("PathVertices", stride), "the bounces of the candidate path, bounces + 1 a pixel");
         io.output("samples", samples_, severalPerPixel<GuidingSample>("GuidingSamples", stride),
                   "all bounces of the candidate's path tree with the light that came back along each, bounces + 1 a pixel");
-        io.knob("bounces", bounces_, 0, 64, "bounce cap n: light reaches the camera over at most n + 2 edges (Zeng et al. 2025 counts so)");
+        io.knob("bounces", bounces_, 0, 64, "bounce cap n: light reaches the camera over at most n + 2 path edges, as Zeng et al. 2025 count");
         io.structural();
-        io.knob("nee", nee_, "connect every vertex to a light, weighted against scattering by the balance heuristic");
-        io.knob("direct", direct_, "include direct light at the primary hit; off where ReSTIRDI owns it (through delta lobes it is always included)");
+        io.knob("nee", nee_, "connect every vertex to a light (next event estimation), combined with scattering by the balance heuristic");
+        io.knob("direct", direct_, "include direct light at the primary hit; off where ReSTIRDI computes it (light through delta lobes is always included)");
         io.knob("alpha", alpha_, 0, 1, "probability of sampling a smooth bounce by the BSDF instead of the guide, where there is guidance (Zeng et al. 2025: 0.5)");
         io.choice("fault", fault_, FAULTS, "for tests only: build this mistake into the candidates");
         io.structural();

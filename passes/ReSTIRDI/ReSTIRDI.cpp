@@ -35,23 +35,23 @@ public:
         io.together({"motion", "previous_surface", "history"});
         io.output("radiance", radiance_, image(3),
                   "direct light scattered to the camera through lobes that are not deltas, W/sr/m^2");
-        io.output("reservoirs", reservoirs_, reservoir, "the light point that each pixel ends the frame with");
-        io.knob("candidates", candidates_, 1, 1024, "light points drawn a pixel");
-        io.knob("bsdf_candidates", bsdfCandidates_, 0, 16, "light points that scattering finds, drawn a pixel");
-        io.knob("temporal", temporal_, "merge with the pixel of the frame before");
-        io.knob("cap", cap_, 1, 1000, "confidence of the history, at most, in candidate sets");
+        io.output("reservoirs", reservoirs_, reservoir, "the light point that each pixel keeps at the end of the frame");
+        io.knob("candidates", candidates_, 1, 1024, "light points drawn per pixel");
+        io.knob("bsdf_candidates", bsdfCandidates_, 0, 16, "light points found by scattering, per pixel");
+        io.knob("temporal", temporal_, "merge with what the same surface kept in the frame before");
+        io.knob("cap", cap_, 1, 1000, "largest confidence of the history, in sets of candidates");
         io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
         io.knob("neighbours", neighbours_, 1, MAX_NEIGHBOURS, "pixels drawn in one round");
         io.knob("radius", radius_, 1, 1000,
                 "of the disk of neighbours, in pixels of an image of 1080 lines; never below 3 pixels of this one");
         io.choice("mis", mis_, {"pairwise", "balance"},
-                  "weights of spatial reuse: pairwise takes 2 n shadow rays, balance n (n + 1)");
+                  "MIS weights of spatial reuse with n neighbours: pairwise takes 2 n shadow rays, balance n (n + 1)");
         io.knob("feedback", feedback_,
                 "the next frame starts from the reservoirs after spatial reuse; off: from those before");
         io.knob("normal_threshold", normalThreshold_, -1, 1,
-                "least cosine between the shading normals of merged pixels");
+                "smallest cosine between the shading normals of pixels that are merged");
         io.knob("depth_threshold", depthThreshold_, 0, 1000,
-                "most relative difference of their distances from the camera");
+                "largest relative difference of their distances from the camera");
         io.choice("fault", fault_, FAULTS, "for tests only: build this mistake in, the picture is wrong");
         io.structural();
     }

@@ -23,7 +23,7 @@ public:
         const PortType reservoir = perPixel<PathReservoir>("PathReservoir");
         io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel, through its centre");
         io.ofThisFrame();
-        io.input("candidates", candidates_, reservoir, "one candidate path a pixel, of this frame");
+        io.input("candidates", candidates_, reservoir, "this frame's candidate path, one per pixel");
         io.ofThisFrame();
         io.optionalInput("motion", motion_, motionVectors(), "where the point was in the frame before, minus where it is, in pixels");
         io.ofThisFrame();
@@ -40,19 +40,19 @@ public:
         io.ofFrameBefore();
         io.together({"motion", "previous_surface", "history"});
         io.output("radiance", radiance_, image(3), "light of the chosen path, W/sr/m^2");
-        io.output("reservoirs", reservoirs_, reservoir, "the path that each pixel ends the frame with");
+        io.output("reservoirs", reservoirs_, reservoir, "the path that each pixel keeps at the end of the frame");
         io.output("vertices", vertices_, vertices, "the bounces of that path as it stands in this pixel, bounces + 1 a pixel");
         io.knob("bounces", bounces_, 0, 64, "bounce cap of the candidates: the vertices' count a pixel follows it");
         io.structural();
-        io.knob("temporal", temporal_, "merge with the pixel of the frame before");
-        io.knob("cap", cap_, 1, 1000, "confidence of the history, at most, times that of the pixel's own candidate (Lin et al. 2022: 20)");
+        io.knob("temporal", temporal_, "merge with what the same surface kept in the frame before");
+        io.knob("cap", cap_, 1, 1000, "largest confidence of the history, in multiples of the candidate's own (Lin et al. 2022: 20)");
         io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
         io.knob("neighbours", neighbours_, 1, MAX_REUSE_NEIGHBOURS, "pixels drawn in one round");
         io.knob("pool", pool_, 1, MAX_REUSE_POOL,
                 "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one that is drawn, as published");
         io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines; never below 3 pixels of this one");
-        io.knob("normal_threshold", normalThreshold_, -1, 1, "least cosine between the shading normals of merged pixels");
-        io.knob("depth_threshold", depthThreshold_, 0, 1000, "most relative difference of their distances from the camera");
+        io.knob("normal_threshold", normalThreshold_, -1, 1, "smallest cosine between the shading normals of pixels that are merged");
+        io.knob("depth_threshold", depthThreshold_, 0, 1000, "largest relative difference of their distances from the camera");
         io.choice("fault", fault_, FAULTS, "for tests only: build this mistake in, the picture is wrong");
         io.structural();
     }

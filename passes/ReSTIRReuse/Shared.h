@@ -14,8 +14,8 @@ struct ReuseParameters {
     Address history;  ///< PathReservoir a pixel, one frame ago
     Address reservoirs;  ///< PathReservoir a pixel, written
     Address radiance;  ///< vec3 a pixel; 0: nobody reads it
-    Address originSource;  ///< whose bounces those of `source` are, a uint a pixel, see merge.glsl; 0: each pixel's own candidate's
-    Address origins;  ///< whose those of `reservoirs` are, written; 0: nobody reads vertices
+    Address originSource;  ///< the origin (see merge.glsl) of each path of `source`, a uint per pixel; 0: each pixel's own candidate
+    Address origins;  ///< the origin of each path of `reservoirs`, written; 0: nobody reads vertices
     float cap;  ///< confidence of the history, at most, times that of the pixel's own
     float radius;  ///< of the disk of neighbours, see disk_radius
     float normalThreshold;

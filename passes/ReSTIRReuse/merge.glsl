@@ -113,8 +113,8 @@ void finish_merge(inout Choice kept, float confidence)
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer OriginArray { uint at[]; };
 
-/// Whose bounces a pixel's path has from its reconnection on: of this frame's candidate of the pixel with this number, or, with this
-/// bit, of the path that it ended the frame before with.
+/// A path's origin is a pixel's number: from its reconnection vertex on, the path has the bounces of that pixel's candidate of this
+/// frame. With this bit set, it has the bounces of the path that the pixel kept at the end of the frame before.
 const uint OF_HISTORY = 1u << 31u;
 
 /// The origin of the path that the stage before left in a pixel.

@@ -64,7 +64,7 @@ def parse(arguments):
         "--base-seed",
         type=int,
         default=0,
-        help="another number gives other random numbers to all runs (%(default)s)",
+        help="seed from which the seeds of all runs are derived (%(default)s)",
     )
     add(
         "--bounces",

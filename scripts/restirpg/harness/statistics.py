@@ -127,11 +127,12 @@ def block_means(images, size=8):
 
 
 def block_correlation(images, size=8):
-    """Variance of block means over the variance they would have if pixels were independent.
+    """How strongly neighbouring pixels err together: the ratio of two variances, and its standard error.
 
-    `images`: (runs, H, W) of independent runs. 1: independent pixels; size^2: each block moves as one.
-    Returns the ratio of the sums over all blocks, and its standard error by the jackknife over runs; NaN for
-    fewer than 2 runs (the error: 3).
+    The ratio is the variance of the means of size x size blocks, divided by the variance that these means would
+    have if pixels were independent; both are summed over all blocks. It is 1 for independent pixels and size^2
+    where all pixels of a block have the same error. images: (runs, H, W) of independent runs. The standard error
+    is the jackknife's over runs. Fewer than 2 runs give NaN for the ratio, fewer than 3 for its error.
     """
     images = np.asarray(images, float)
     if len(images) < 2 or min(images.shape[-2:]) < size:
