@@ -277,15 +277,15 @@ void addInputOptions(CLI::App& command, Options& options)
     command.add_flag("--allow-outside", options.allowOutside,
                      "Let the scene read files that lie outside of its own folder");
     command.add_option("--environment", options.environment,
-                       "Equirectangular .exr or .hdr, or a constant radiance r,g,b");
-    command.add_option("--camera", options.camera, "Number of the scene's camera, from 0");
+                       "Environment light in place of the scene's: an equirectangular .exr or .hdr, or a radiance r,g,b");
+    command.add_option("--camera", options.camera, "Number of the scene's camera, counted from 0");
     command.add_option("--time", options.renderer.time, "Time of the first frame, s");
-    command.add_option("--fps", options.renderer.framesPerSecond, "Frames a second of scene time; 0: it stands still");
+    command.add_option("--fps", options.renderer.framesPerSecond, "Frames per second of scene time; 0: the scene stands still");
     command.add_option("--bounces", options.bounces,
                        "Bounce cap of every pass that has one (default: the scene's own)");
     command.add_flag("--energy-compensation", options.renderer.energyCompensation,
                      "Rough metal and glass give back the light that single-scattering GGX loses");
-    command.add_option("--set", options.knobs, "PASS.KNOB=VALUE; may be repeated")->allow_extra_args(false);
+    command.add_option("--set", options.knobs, "Set a knob: PASS.KNOB=VALUE; may be repeated")->allow_extra_args(false);
 }
 
 void addOutputOptions(CLI::App& command, Options& options)
@@ -294,25 +294,25 @@ void addOutputOptions(CLI::App& command, Options& options)
     command.add_option("--frames", options.frames, "Frames to render")
         ->check(CLI::Range(1u, 100000000u))
         ->capture_default_str();
-    command.add_option("--keep-every", options.keepEvery, "Write the files every so many frames too, for long renderings");
+    command.add_option("--keep-every", options.keepEvery, "Also write the files every so many frames");
     command.add_option("--seed", options.renderer.seed, "Seed of all random numbers")->capture_default_str();
-    command.add_option("-o", options.exr, "EXR file for the outputs: the first as R, G, B, the others as layers");
+    command.add_option("-o", options.exr, "EXR file: the first output as R, G, B, the others as layers");
     command.add_flag("--half", options.half, "Half floats in the EXR");
     command.add_option("--output", options.outputs,
-                       "Write only this output of the graph, or port of a pass (albedo, normal, depth, PASS.PORT); may be repeated, the first is the picture")
+                       "Write only this output of the graph, or this port of a pass, as albedo, normal, depth; may be repeated, the first is the picture")
         ->allow_extra_args(false);
-    command.add_option("--png", options.png, "PNG file for the picture");
-    command.add_option("--exposure", options.display.exposure, "Of the PNG, in stops, -100 to 100");
+    command.add_option("--png", options.png, "PNG file of the first output");
+    command.add_option("--exposure", options.display.exposure, "Exposure of the PNG in stops, -100 to 100");
     command.add_option("--ocio", options.display.config,
-                       "OpenColorIO config for the PNG (default: a small one of our own)");
+                       "OpenColorIO config for the PNG (default: a small built-in one)");
     command.add_option("--display", options.display.display, "Display of that config");
     command.add_option("--view", options.display.view, "View of that display");
-    command.add_option("--reference", options.reference, "EXR to measure errors against");
+    command.add_option("--reference", options.reference, "EXR against which the first output's errors are measured");
 }
 
 void addDeviceOptions(CLI::App& command, DeviceOptions& options)
 {
-    command.add_option("--device", options.device, "Number or part of the name, as restirpg devices lists them");
+    command.add_option("--device", options.device, "The device's number or a part of its name, as restirpg devices lists them");
     command.add_option("--backend", options.backend,
                        "Ray tracing: software or rayquery (default: what suits the device)");
     command.add_flag("--validation", options.validation, "Turn the Vulkan validation layer on");

@@ -48,8 +48,8 @@ def parse(arguments):
         type=program.frame_numbers,
         default=(),
         metavar="K,K,...",
-        help="measure these frames' own pictures, not the mean of all: each against a reference with its own "
-        "time and camera",
+        help="measure the pictures of these frames alone, each against a reference of its own time and camera, "
+        "in place of the mean of all frames",
     )
     add("--fps", type=program.length, default=0.0, metavar="F", help="play the scene's animation, F frames a second")
     add(
@@ -57,7 +57,7 @@ def parse(arguments):
         type=program.length,
         default=0.0,
         metavar="METRES",
-        help="move the camera round a circle of this radius in its own plane, 6 frames a turn",
+        help="move the camera on a circle of this radius in its image plane, 6 frames per turn",
     )
     add("--seeds", type=program.positive, default=8, help="independent runs of each method (%(default)s)")
     add(
@@ -69,7 +69,7 @@ def parse(arguments):
     add(
         "--bounces",
         type=program.bounces,
-        help="bounce cap of every pass and of the reference, 0: direct light alone (the scene's, or the graph's "
+        help="bounce cap of every pass and of the reference; 0: direct light alone (default: the scene's, or the graph's "
         "own)",
     )
     add("--environment", metavar="FILE|R,G,B", help="environment light in place of the scene's")
@@ -80,25 +80,25 @@ def parse(arguments):
         action="store_true",
         help="rough metal and glass give back the light that single-scattering GGX loses",
     )
-    add("--reference", metavar="EXR", help="a picture to take for the truth, in place of a path traced one")
+    add("--reference", metavar="EXR", help="a picture to use as the reference, in place of a rendered one")
     add(
         "--reference-graph",
         default=PATH_TRACER,
         metavar="GRAPH",
-        help="what renders the truth (%(default)s)",
+        help="the graph that renders the reference (%(default)s)",
     )
     add(
         "--reference-frames",
         type=program.positive,
         metavar="N",
-        help="frames of the reference in all (32 times --frames)",
+        help="frames of the reference, over all its batches (32 times --frames)",
     )
     add(
         "--reference-batches",
         type=program.positive,
         default=16,
         metavar="R",
-        help="independent parts of the reference, for its own standard error (%(default)s)",
+        help="independent batches of the reference, from which its own standard error is estimated (%(default)s)",
     )
     add(
         "--denoise",

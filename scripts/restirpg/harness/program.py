@@ -75,7 +75,7 @@ def add_runner(parser, out):
         "--jobs",
         type=positive,
         default=1,
-        help="runs at a time: more than one spoils the times (%(default)s)",
+        help="runs at a time; with more than one the measured times are too long (%(default)s)",
     )
     parser.add_argument(
         "--scheduler",

@@ -28,8 +28,8 @@ def parse(arguments):
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     add = parser.add_argument
-    add("what", nargs="*", metavar="WHAT", help="as above; --list says what each is")
-    add("--list", action="store_true", help="say what each is, how many jobs, and about how long it takes")
+    add("what", nargs="*", metavar="WHAT", help="see above; --list explains each")
+    add("--list", action="store_true", help="say what each shows, how many runs it needs, and about how long it takes")
     add("--scenes", nargs="+", metavar="NAME|FILE", help="scenes in place of the figures' own")
     program.add_allow_outside(parser)
     sizes = parser.add_mutually_exclusive_group()
@@ -46,10 +46,10 @@ def parse(arguments):
     )
     for name, what in (("frames", "frames of a run"), ("seeds", "independent runs of each method")):
         add(f"--{name}", type=program.positive, metavar="N", help=what)
-    add("--reference-frames", type=program.positive, metavar="N", help="frames of the references in all")
-    add("--reference-batches", type=program.positive, metavar="R", help="independent parts of each (16)")
-    add("--reference-graph", metavar="GRAPH", help="what renders the references (graphs/path_tracer.py)")
-    add("--bounces", type=program.positive, metavar="N", help="bounce cap (each scene's, or the graphs' own)")
+    add("--reference-frames", type=program.positive, metavar="N", help="frames of each reference, over all its batches")
+    add("--reference-batches", type=program.positive, metavar="R", help="independent batches of each reference (16)")
+    add("--reference-graph", metavar="GRAPH", help="the graph that renders the references (graphs/path_tracer.py)")
+    add("--bounces", type=program.positive, metavar="N", help="bounce cap (default: each scene's, or the graphs' own)")
     program.add_runner(parser, "out/reproduce")
     return commands.parsed(parser, arguments)
 

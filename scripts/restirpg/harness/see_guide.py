@@ -33,16 +33,16 @@ def parse(arguments):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--scene", type=Path, required=True)
+    parser.add_argument("--scene", type=Path, required=True, help=".glb or .gltf")
     program.add_allow_outside(parser)
-    parser.add_argument("--pixel", type=int, nargs=2, action="append", required=True)
-    parser.add_argument("--graph", type=Path, default=render.ROOT / "graphs" / "restir_pg.py")
-    parser.add_argument("--frames", type=program.positive, default=64)
-    parser.add_argument("--size", type=program.size, default=(160, 90))
-    parser.add_argument("--cell-size", type=program.length, default=0.05)
-    parser.add_argument("--raw", action="store_true")
-    parser.add_argument("--markdown", type=Path)
-    parser.add_argument("-o", type=Path, default=Path("out/guide.png"))
+    parser.add_argument("--pixel", type=int, nargs=2, metavar=("X", "Y"), action="append", required=True, help="a pixel; may be repeated")
+    parser.add_argument("--graph", type=Path, default=render.ROOT / "graphs" / "restir_pg.py", help="a graph with a guide")
+    parser.add_argument("--frames", type=program.positive, default=64, help="frames to learn from (%(default)s)")
+    parser.add_argument("--size", type=program.size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
+    parser.add_argument("--cell-size", type=program.length, default=0.05, help="of the guide's cells, as a share of the picture's height (%(default)s)")
+    parser.add_argument("--raw", action="store_true", help="learn from raw path trees")
+    parser.add_argument("--markdown", type=Path, metavar="FILE", help="write the table to this file")
+    parser.add_argument("-o", type=Path, default=Path("out/guide.png"), metavar="PNG", help="the maps (%(default)s)")
     return commands.parsed(parser, arguments)
 
 
