@@ -48,7 +48,7 @@ def test_a_denoised_picture_is_nearer_to_the_truth(scene):  # noqa: F811
 
 def test_errors_after_denoising_stand_apart(tmp_path, monkeypatch):
     """The stand-in halves the noise, and so the error of a picture that is measured beside a much better reference."""
-    folder = Path(__file__).parent / "fake_denoiser"
+    folder = Path(__file__).parent / "fake_packages"
     monkeypatch.setitem(ENVIRONMENT, "PYTHONPATH", f"{folder}:{ENVIRONMENT['PYTHONPATH']}")
     methods, options = ("plain.json", "plain.json@noise=0.5,label=quiet"), {"reference_frames": 4096, "cache": "runs"}
     assert compare(tmp_path, *methods, out="plain", **options).returncode == 0
@@ -61,7 +61,8 @@ def test_errors_after_denoising_stand_apart(tmp_path, monkeypatch):
     before = {(row["method"], row["seed"]): float(row["mape"]) for row in rows(tmp_path / "out/runs.csv") if row["frame"] == "8"}
     after = {(row["method"], row["seed"]): float(row["mape_denoised_image"]) for row in rows(tmp_path / "out/denoised.csv")}
     assert len(after) == 8 and all(after[run] == pytest.approx(0.5 * before[run], rel=0.1) for run in after)
-    assert "last frame, denoised" in (tmp_path / "out/report.html").read_text()
+    page = (tmp_path / "out/report.html").read_text()
+    assert "last frame, denoised" in page and "FLIP of the last frame" in page
 
 
 def test_a_comparison_cannot_denoise_without_the_package(tmp_path):
