@@ -28,6 +28,7 @@ struct Options {
     std::string graph;
     std::string scene;
     std::string size = "640x360";
+    std::vector<uint32_t> window;  ///< x, y, width, height in the picture; empty: all of it
     uint32_t frames = 16;
     uint32_t keepEvery = 0;  ///< frames; 0: only at the end
     std::string exr;
@@ -153,9 +154,11 @@ Image readReference(const Options& options)
     if (options.reference.empty())
         return {};
     Image reference = readExr(options.reference);
-    if (reference.width != options.renderer.width || reference.height != options.renderer.height)
-        fail("{}: the reference has {}x{} pixels; render with --size {}x{}", options.reference, reference.width,
-             reference.height, reference.width, reference.height);
+    const auto& renderer = options.renderer;
+    const Window seen = renderer.window.value_or(Window{0, 0, renderer.width, renderer.height});
+    if (reference.width != seen.width || reference.height != seen.height)
+        fail("{}: the reference has {}x{} pixels; {} of that size", options.reference, reference.width, reference.height,
+             renderer.window ? "render a --window" : fmt::format("render with --size {}x{}", reference.width, reference.height));
     return reference;
 }
 
@@ -215,7 +218,7 @@ void reportInvalid(Renderer& renderer)
     if (count > 0)
         warn("{} of {} samples were NaN, infinite or too large to add up and are left out: the mean is wrong where they were, which "
              "output 'invalid' shows",
-             count, renderer.frame() * double(renderer.options().width) * renderer.options().height);
+             count, renderer.frame() * double(renderer.window().width) * renderer.window().height);
 }
 
 void writeResults(Renderer& renderer, const Options& options, const std::string& shown, const Image& reference)
@@ -236,6 +239,8 @@ void writeResults(Renderer& renderer, const Options& options, const std::string&
 void render(Options& options)
 {
     parseSize(options.size, options.renderer);
+    if (const auto& w = options.window; !w.empty())
+        options.renderer.window = Window{w[0], w[1], w[2], w[3]};
     if (!(std::abs(options.display.exposure) <= 100))
         fail("--exposure {}: must be a number of stops from -100 to 100", options.display.exposure);
     checkFiles(options);
@@ -291,6 +296,9 @@ void addInputOptions(CLI::App& command, Options& options)
 void addOutputOptions(CLI::App& command, Options& options)
 {
     command.add_option("--size", options.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+    command.add_option("--window", options.window, "X,Y,WIDTH,HEIGHT: render only these pixels of the picture, as they are in it")
+        ->delimiter(',')
+        ->expected(4);
     command.add_option("--frames", options.frames, "Frames to render")
         ->check(CLI::Range(1u, 100000000u))
         ->capture_default_str();

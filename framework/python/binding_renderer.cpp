@@ -18,7 +18,8 @@ device: number or part of the name as `restirpg devices` lists them; None: the b
 or None for what suits the device. validation: run under the Vulkan validation layer. fps: frames a second of scene time;
 0: the scene stands still. time: of the first frame, s. energy_compensation: rough metal and glass give back the light that
 single-scattering GGX loses. outputs: more outputs than the graph has: ports of its passes, as "albedo", "normal" and "depth",
-or "pass.port" where several passes have a port of that name. They cost nothing where they are not asked for.
+or "pass.port" where several passes have a port of that name. They cost nothing where they are not asked for. window: (x, y,
+width, height) in pixels, what alone is rendered of the picture, as it is there; None: all of it.
 
 A scene that has a bounce cap of its own sets the knob "bounces" of every pass to it.
 
@@ -29,6 +30,11 @@ constexpr const char* SEED = R"(Of all random numbers from the next frame on: 0 
 `renderer.seed = s; renderer.cut()` begins a run that has the bytes of a new Renderer with that seed, at a fraction of
 its cost. Scene time, camera, nodes and knobs stay as they are: set_time(0) where the scene is animated. Without the
 cut, paths of the history would replay numbers of another seed than their own.)";
+
+constexpr const char* MOVE_WINDOW =
+    R"(Render another part of the picture, of the same size, from the next frame on; implies cut().
+
+x, y: its first pixel, from the picture's top left.)";
 
 constexpr const char* RENDER =
     R"(Render `frames` more frames. Other Python threads run meanwhile; Ctrl-C ends it between two frames.)";
@@ -79,11 +85,14 @@ std::unique_ptr<SharedRenderer> makeRenderer(const std::shared_ptr<Scene>& scene
                                              const std::pair<uint32_t, uint32_t>& size, uint32_t seed,
                                              const std::optional<py::object>& device,
                                              const std::optional<std::string>& backend, bool validation, float fps,
-                                             float time, bool energyCompensation, const std::vector<std::string>& outputs)
+                                             float time, bool energyCompensation, const std::vector<std::string>& outputs,
+                                             const std::optional<std::array<uint32_t, 4>>& window)
 {
     RendererOptions options;
     options.width = size.first;
     options.height = size.second;
+    if (window)
+        options.window = Window{(*window)[0], (*window)[1], (*window)[2], (*window)[3]};
     options.seed = seed;
     options.framesPerSecond = fps;
     options.time = time;
@@ -255,7 +264,7 @@ void bindRenderer(py::module_& module)
     renderer
         .def(py::init(&makeRenderer), py::arg("scene").none(false), "graph"_a, "size"_a, "seed"_a = 0, "device"_a = py::none(),
              "backend"_a = py::none(), "validation"_a = false, "fps"_a = 0.0f, "time"_a = 0.0f, "energy_compensation"_a = false,
-             "outputs"_a = std::vector<std::string>())
+             "outputs"_a = std::vector<std::string>(), "window"_a = py::none())
         .def("render", &render, RENDER, "frames"_a = 1)
         .def_property_readonly("frame", shared(&Renderer::frame), "Frames rendered since the last cut.")
         .def_property_readonly(
@@ -264,7 +273,15 @@ void bindRenderer(py::module_& module)
                 const RendererOptions options = shared(&Renderer::options)(r);
                 return std::pair(options.width, options.height);
             },
-            "(width, height) in pixels.")
+            "(width, height) of the whole picture in pixels.")
+        .def_property_readonly(
+            "window",
+            [](SharedRenderer& r) {
+                const Window window = shared(&Renderer::window)(r);
+                return std::tuple(window.x, window.y, window.width, window.height);
+            },
+            "(x, y, width, height) of what is rendered of the picture: outputs have its size.")
+        .def("move_window", shared(&Renderer::moveWindow), MOVE_WINDOW, "x"_a, "y"_a)
         .def_property(
             "seed", [](SharedRenderer& r) { return shared(&Renderer::options)(r).seed; }, shared(&Renderer::setSeed), SEED)
         .def(

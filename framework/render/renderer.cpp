@@ -42,11 +42,22 @@ void checkTime(float seconds)
         fail("a time of {} s: must be finite and at least 0", seconds);
 }
 
+void checkWindow(const Window& window, const RendererOptions& options)
+{
+    const bool inside = window.width >= 1 && window.height >= 1 && uint64_t(window.x) + window.width <= options.width &&
+                        uint64_t(window.y) + window.height <= options.height;
+    if (!inside)
+        fail("a window of {}x{} pixels at {},{} does not lie in the picture of {}x{}", window.width, window.height, window.x,
+             window.y, options.width, options.height);
+}
+
 void checkOptions(const RendererOptions& options)
 {
     constexpr uint32_t LARGEST = 16384;
     if (options.width < 1 || options.height < 1 || options.width > LARGEST || options.height > LARGEST)
         fail("an image of {}x{} pixels cannot be rendered; each side is 1 to {}", options.width, options.height, LARGEST);
+    if (options.window)
+        checkWindow(*options.window, options);
     checkTime(options.time);
     constexpr float SLOWEST = 1e-6f;  // frames a second: a frame still takes finite time
     if (!std::isfinite(options.framesPerSecond) || (options.framesPerSecond != 0 && !(options.framesPerSecond >= SLOWEST)))
@@ -62,7 +73,7 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::unique_ptr<Graph> gr
     device_ = std::make_unique<Device>(options_.device);
     sceneGpu_ = std::make_unique<SceneGpu>(*device_, *scene_, poseNodes(*scene_, time_, overrides_),
                                            options_.energyCompensation);
-    executor_ = std::make_unique<Executor>(*device_, std::move(graph), options_.width, options_.height, options_.compiling);
+    executor_ = std::make_unique<Executor>(*device_, std::move(graph), window().width, window().height, options_.compiling);
 }
 
 Renderer::~Renderer() = default;
@@ -93,7 +104,10 @@ FrameConstants Renderer::constants() const
     }
     constants.camera = makeCamera(camera, toWorld, aspect);
     constants.previousCamera = previousCamera_.value_or(constants.camera);
-    constants.size = {options_.width, options_.height};
+    const Window seen = window();
+    constants.size = {seen.width, seen.height};
+    constants.corner = {seen.x, seen.y};
+    constants.picture = {options_.width, options_.height};
     constants.seed = options_.seed;
     constants.time = time_;
     return constants;
@@ -124,7 +138,7 @@ Image Renderer::output(const std::string& name)
         fail("output '{}' ({}.{}) is a {}, no image; read it with read_port", name, pass.name, port.name, port.type.name);
     if (frame() == 0)
         fail("output '{}' is not there yet; render at least one frame first", name);
-    Image image{options_.width, options_.height, port.type.channels, {}};
+    Image image{window().width, window().height, port.type.channels, {}};
     image.data.resize(size_t(image.width) * image.height * image.channels);
     device_->download(*executor_->latest(found->pass, found->output), image.data.data(), image.data.size() * sizeof(float));
     return image;
@@ -152,7 +166,7 @@ std::vector<uint8_t> Renderer::readPort(const std::string& path)
                      graph().name());
             if (frame() == 0)
                 fail("port '{}' is not there yet; render at least one frame first", path);
-            return device_->download<uint8_t>(*buffer, ports[o].type.bytes(options_.width, options_.height));
+            return device_->download<uint8_t>(*buffer, ports[o].type.bytes(window().width, window().height));
         }
     }
     fail("graph '{}' has no port '{}'; ports are written pass.output", graph().name(), path);
@@ -205,6 +219,21 @@ void Renderer::setTime(float seconds)
 {
     checkTime(seconds);
     time_ = seconds;
+}
+
+Window Renderer::window() const
+{
+    return options_.window.value_or(Window{0, 0, options_.width, options_.height});
+}
+
+void Renderer::moveWindow(uint32_t x, uint32_t y)
+{
+    Window moved = window();
+    moved.x = x;
+    moved.y = y;
+    checkWindow(moved, options_);
+    options_.window = moved;
+    cut();
 }
 
 void Renderer::cut()
@@ -283,6 +312,8 @@ std::map<std::string, std::string> Renderer::provenance() const
             {"restirpg.knobs", textOf(knobs())},
             {"restirpg.seed", std::to_string(options_.seed)},
             {"restirpg.frames", std::to_string(frame())},
+            {"restirpg.size", fmt::format("{}x{}", options_.width, options_.height)},
+            {"restirpg.window", fmt::format("{},{},{},{}", window().x, window().y, window().width, window().height)},
             {"restirpg.scene", scene_->file.filename().string()},
             {"restirpg.sceneHash", scene_->hash},
             {"restirpg.device", device.name},

@@ -14,9 +14,18 @@
 
 namespace restirpg {
 
+/// Pixels of the whole picture.
+struct Window {
+    uint32_t x = 0;
+    uint32_t y = 0;
+    uint32_t width = 0;
+    uint32_t height = 0;
+};
+
 struct RendererOptions {
     uint32_t width = 640;
     uint32_t height = 360;
+    std::optional<Window> window;  ///< what of the picture is rendered; all of it
     uint32_t seed = 0;
     float time = 0;  ///< s, of the first frame
     float framesPerSecond = 0;  ///< 0: the scene stands still
@@ -67,6 +76,10 @@ public:
     /// Other random numbers from the next frame on. Cut as well: paths of the history replay the numbers of their own seed. After both
     /// the frames are those of a new renderer of that seed, byte for byte, where scene time and poses are the same too and no node has moved.
     void setSeed(uint32_t seed) { options_.seed = seed; }
+    /// Render another part of the picture, of the same size, from the next frame on. A cut: history is of other pixels.
+    void moveWindow(uint32_t x, uint32_t y);
+    /// What of the picture is rendered: outputs have its size.
+    Window window() const;
     /// Forget all history: the next frame is a first frame.
     void cut();
 

@@ -8,7 +8,9 @@ struct FrameConstants {
     SceneTable scene;
     Camera camera;
     Camera previousCamera;
-    uvec2 size;  ///< pixels: width, height
+    uvec2 size;  ///< pixels that are rendered: those of the window
+    uvec2 corner;  ///< the window's first pixel in the whole picture
+    uvec2 picture;  ///< pixels of the whole picture, which the camera sees
     uint frame;  ///< frames since the last cut
     uint seed;  ///< of the run
     uint reset;  ///< 1 on the first frame after a start, a resize or a cut: history is empty

@@ -45,7 +45,7 @@ bool is_similar(Appearance a, Appearance b, float normal_threshold, float depth_
 /// Where the surface of a pixel is, of which the appearance is known.
 vec3 seen_position(uvec2 at, Appearance a)
 {
-    return frame.c.camera.position + a.distance * camera_direction(frame.c.camera, vec2(at) + 0.5, vec2(frame.c.size));
+    return frame.c.camera.position + a.distance * camera_direction(frame.c.camera, vec2(picture_pixel(at)) + 0.5, vec2(frame.c.picture));
 }
 
 /// How well a pixel's samples serve another one, from 0 to 1 [shaders/README: Compatible neighbours]. It falls to 1/e where the places
@@ -76,7 +76,7 @@ bool find_previous_pixel(uvec2 at, vec2 motion, vec2 u, out uint pixel)
 float disk_radius(float radius_at_1080)
 {
     const float LEAST_RADIUS = 3.0;
-    return max(radius_at_1080 * float(frame.c.size.y) / 1080.0, LEAST_RADIUS);
+    return max(radius_at_1080 * float(frame.c.picture.y) / 1080.0, LEAST_RADIUS);
 }
 
 /// Index of a pixel drawn uniformly from the disk about this one, radius in pixels; false: outside of the image, or this one.

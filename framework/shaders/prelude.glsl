@@ -21,6 +21,12 @@ FrameRef frame;
 const float PI = 3.14159265358979;
 const float INV_PI = 0.31830988618379;
 
+/// The place in the whole picture of a pixel of the window.
+uvec2 picture_pixel(uvec2 at)
+{
+    return frame.c.corner + at;
+}
+
 /// Rec.709 luminance.
 float luminance(vec3 rgb)
 {

@@ -74,11 +74,11 @@ void main()
     if (any(greaterThanEqual(at, frame.c.size)))
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
-    vec2 size = vec2(frame.c.size);
+    vec2 size = vec2(frame.c.picture);
     vec2 inside = vec2(0.5);
     if (params.jitter != 0u)
-        inside = random2(random_key(at, frame.c.frame, frame.c.seed), 0u, RANDOM_PIXEL);
-    vec2 point = vec2(at) + inside;
+        inside = random2(random_key(picture_pixel(at), frame.c.frame, frame.c.seed), 0u, RANDOM_PIXEL);
+    vec2 point = vec2(picture_pixel(at)) + inside;
     vec3 direction = camera_direction(frame.c.camera, point, size);
 
     Hit hit;

@@ -79,7 +79,7 @@ ScreenStatistics gather(Place here, uvec2 at, uint previous)
     }
     // A walk over the window from a random place in random steps, which have no factor in common with its 24 places, meets none twice.
     const uint STEPS[8] = uint[](1u, 5u, 7u, 11u, 13u, 17u, 19u, 23u);
-    vec2 u = random2(random_key(at, frame.c.frame, frame.c.seed ^ RANDOM_STREAM_SCREEN), 0u, 0u);
+    vec2 u = random2(random_key(picture_pixel(at), frame.c.frame, frame.c.seed ^ RANDOM_STREAM_SCREEN), 0u, 0u);
     uint place = uint(u.x * float(NEIGHBOURS));
     uint stride = STEPS[uint(u.y * 8.0)];
     ivec2 centre = ivec2(previous % frame.c.size.x, previous / frame.c.size.x);

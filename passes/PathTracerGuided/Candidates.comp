@@ -228,8 +228,8 @@ void extend_path(inout Tree tree, uint u, Bounce s)
 
 void trace_tree(Hit hit, uvec2 at)
 {
-    RandomKey key = random_key(at, frame.c.frame, frame.c.seed);
-    RandomKey choices = random_key(at, frame.c.frame, frame.c.seed ^ RANDOM_STREAM_RESAMPLING);
+    RandomKey key = random_key(picture_pixel(at), frame.c.frame, frame.c.seed);
+    RandomKey choices = random_key(picture_pixel(at), frame.c.frame, frame.c.seed ^ RANDOM_STREAM_RESAMPLING);
     Tree tree = Tree(empty_path_reservoir(1.0), 0u, vec3(1.0), 1.0, hit, 0.0, 0.0);
     tree.path.pixel = key.pixel;
     tree.path.frame = key.frame;

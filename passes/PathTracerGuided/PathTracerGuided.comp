@@ -92,6 +92,6 @@ void main()
     Hit hit = primary_hit(params.surface, pixel);
     vec3 radiance = vec3(0.0);
     if (hit.instance != INVALID_INDEX)
-        radiance = trace_path(hit, at, random_key(at, frame.c.frame, frame.c.seed));
+        radiance = trace_path(hit, at, random_key(picture_pixel(at), frame.c.frame, frame.c.seed));
     Vec3Image(params.radiance).at[pixel] = radiance;
 }

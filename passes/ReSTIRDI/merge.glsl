@@ -25,7 +25,7 @@ const uint TEMPORAL_ROUND = 0xffffu;
 
 RandomKey direct_key(uvec2 at)
 {
-    return random_key(at, frame.c.frame, frame.c.seed ^ RANDOM_STREAM_DIRECT);
+    return random_key(picture_pixel(at), frame.c.frame, frame.c.seed ^ RANDOM_STREAM_DIRECT);
 }
 
 /// Holder of a point: neighbour 0 ... count - 1, or the centre.

@@ -20,7 +20,7 @@ const uint RANDOM_STREAM_REUSE = 0x51ed270bu;
 
 RandomKey reuse_key(uvec2 at)
 {
-    return random_key(at, frame.c.frame, frame.c.seed ^ RANDOM_STREAM_REUSE);
+    return random_key(picture_pixel(at), frame.c.frame, frame.c.seed ^ RANDOM_STREAM_REUSE);
 }
 
 /// A primary hit shaded for the camera of its frame. The surface stands where it stands today, as all that the shifts trace does: where

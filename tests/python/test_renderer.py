@@ -51,6 +51,30 @@ def test_a_seed_and_a_cut_begin_the_run_of_a_new_renderer(scene):
     assert fresh[5] != fresh[6]
 
 
+def test_a_window_has_the_bytes_that_the_whole_picture_has_there(scene):
+    whole = image_after(make_renderer(scene, seed=5), 3)
+    renderer = make_renderer(scene, seed=5, window=(3, 10, 16, 8))
+    assert renderer.window == (3, 10, 16, 8) and renderer.size == SIZE
+    assert image_after(renderer, 3).tobytes() == whole[10:18, 3:19].tobytes()
+    renderer.move_window(16, 24)
+    assert renderer.frame == 0 and renderer.window == (16, 24, 16, 8)
+    assert image_after(renderer, 3).tobytes() == whole[24:, 16:].tobytes()
+    assert np.unique(whole[10:18, 3:19]).size > 100  # no blank wall
+
+    def memory(renderer):
+        return sum(bytes for name, bytes in renderer.memory().items() if name != "scene")
+
+    assert 8 * memory(renderer) == memory(make_renderer(scene))
+
+
+def test_a_window_beyond_the_picture_is_refused(scene):
+    for window in ((0, 0, 33, 8), (30, 0, 3, 8), (0, 32, 8, 1), (0, 0, 0, 8), (2**32 - 1, 0, 8, 8)):
+        assert "does not lie in the picture of 32x32" in refusal(make_renderer, scene, window=window)
+    renderer = make_renderer(scene, window=(0, 0, 8, 8))
+    assert "a window of 8x8 pixels at 25,0" in refusal(renderer.move_window, 25, 0)
+    assert renderer.window == (0, 0, 8, 8)
+
+
 def test_frames_add_up_whichever_way_they_are_asked_for(scene):
     in_one = make_renderer(scene)
     in_three = make_renderer(scene)
