@@ -7,6 +7,7 @@ import numpy as np
 
 from restirpg.harness import reference as references
 from restirpg.harness import statistics as st
+from restirpg.harness import tiles
 
 METRICS = ("mape", "relmse")
 SETTLED = 0.5  # of a run's frames, the last ones, count as single frames: reuse and guide have settled
@@ -14,15 +15,15 @@ SETTLED = 0.5  # of a run's frames, the last ones, count as single frames: reuse
 
 @dataclass
 class MethodFindings:
-    """One method on one scene. Curves are (seeds, measured frames)."""
+    """One method on one scene. Curves are (seeds, measured frames), or (tiles, measured frames) of means over seeds."""
 
     label: str
     frames: np.ndarray
     curves: dict  # metric -> curve; relmse without the reference's own noise; "single": MAPE of that frame alone
-    gpu_ms: np.ndarray  # summed since the start, (seeds, measured frames)
+    gpu_ms: np.ndarray  # summed since the start, as curves
     wall_ms: np.ndarray
-    flip: np.ndarray | None  # of the last frame alone, by seed; None: flip_evaluator is not installed
-    single: np.ndarray  # MAPE of settled single frames by seed; NaN where none is known
+    flip: np.ndarray | None  # of the last frame alone, by seed; None: of tiles, or flip_evaluator is not installed
+    single: np.ndarray  # MAPE of settled single frames by seed, of all measured ones by tile; NaN where none is known
     equal_frame: dict  # metric -> (mean, standard error) after the last frame
     equal_time: (
         dict  # metric -> (mean, standard error) at SceneFindings.common_ms; NaN: the first frame takes longer
@@ -38,7 +39,8 @@ class MethodFindings:
         dict  # (metric, "frame", "time", "single" or a frame of `at`), ("denoised", "frame" or "image") -> paired
         # Test against the baseline, which has none
     )
-    images: dict  # "image" (first seed), "mean" (of all seeds), "frame" (first seed's last frame alone)
+    images: dict  # "image" (first seed), "mean" (of all seeds), "frame" (first seed's last frame alone); of tiles their
+    # stacks, and "whole", the first seed's last frame
     denoised: dict = field(default_factory=dict)  # as denoised.of_runs(); empty: not asked for
     adjusted: dict = field(default_factory=dict)  # as `against`, and "bias", "blocks" -> corrected p-value
 
@@ -54,9 +56,13 @@ class SceneFindings:
     methods: list
     descriptions: dict
     warnings: list
-    seeds: int
+    seeds: int  # how many independent samples: seeds, or tiles
     bias_tests: int = 1  # in the family that the smallest detectable bias is corrected for
     at: tuple = ()  # frames whose own pictures were measured, no times compared; (): the mean of all frames was
+    unit: str = "seed"  # of the samples that tests are paired by: "seed" or "tile"
+    reference_se: dict = field(default_factory=dict)  # of tiles, by label: standard error that the reference's noise
+    # gives MAPE, and its ratio to the first method's
+    brackets: dict = field(default_factory=dict)  # at equal frame time: as SceneRuns has them
 
 
 def single_frames(run):
@@ -124,6 +130,7 @@ def _scene(runs):
     if runs.at:
         noise["luminance_variance"] = np.mean([each["luminance_variance"] for each in runs.noise])
         subtracted = np.array([each["relmse"] for each in runs.noise])
+    by_tile = any("tile_mape" in run for seeds in runs.runs.values() for run in seeds)
     times = {label: np.array([run["gpu_ms"] for run in seeds]) for label, seeds in runs.runs.items()}
     common = min(float(curve[:, -1].min()) for curve in times.values())
     if runs.at:
@@ -139,7 +146,7 @@ def _scene(runs):
             for metric in METRICS
             for mode in ("frame", *(runs.at[:-1] if runs.at else ("time",)))
         }
-        if not runs.at:
+        if by_tile or not runs.at:
             method.against["mape", "single"] = st.paired(method.single, methods[0].single)
     for method in methods:
         if runs.denoised:
@@ -157,9 +164,21 @@ def _scene(runs):
         methods,
         runs.descriptions,
         runs.warnings,
-        len(next(iter(runs.runs.values()))),
+        len(methods[0].single),
         at=runs.at,
+        unit="tile" if by_tile else "seed",
+        reference_se=_reference_se(runs),
+        brackets=runs.brackets,
     )
+
+
+def _reference_se(runs):
+    """{label: (standard error of MAPE, of its ratio to the first method's)} by the reference's noise."""
+    if not runs.without:
+        return {}
+    mape = {label: found["mape"] for label, found in runs.without.items()}
+    first = next(iter(mape.values()))
+    return {label: (tiles.jackknife_se(own), tiles.jackknife_se(own / first)) for label, own in mape.items()}
 
 
 def _values(method, metric, mode, common):
@@ -179,6 +198,14 @@ def _method(label, runs, truth, noise, subtracted, common):
     }
     curves = {"mape": gather["mape"], "relmse": gather["relmse"] - subtracted, "bias": gather["bias"]}
     curves["single"] = np.array([run["frame_mape"] for run in runs])
+    single = np.array([single_frames(run) for run in runs])
+    if "tile_mape" in runs[0]:
+        curves = {name: np.mean([run[f"tile_{name}"] for run in runs], axis=0) for name in ("mape", "relmse", "bias")}
+        curves["single"] = curves["mape"]
+        curves["relmse"] = curves["relmse"] - subtracted
+        single = curves["mape"].mean(axis=1)
+        for name in ("gpu_ms", "wall_ms"):
+            gather[name] = np.broadcast_to(gather[name].mean(axis=0), curves["mape"].shape)
     pictures = np.array(
         [np.nan_to_num(run["image"].astype(float), nan=0, posinf=0, neginf=0) for run in runs]
     )
@@ -193,8 +220,8 @@ def _method(label, runs, truth, noise, subtracted, common):
         curves=curves,
         gpu_ms=gather["gpu_ms"],
         wall_ms=gather["wall_ms"],
-        flip=flip([run["frame"] for run in runs], truth["mean"]),
-        single=np.array([single_frames(run) for run in runs]),
+        flip=None if "tile_mape" in runs[0] else flip([run["frame"] for run in runs], truth["mean"]),
+        single=single,
         equal_frame={},
         equal_time={},
         bias=st.welch(pictures.mean(axis=(1, 2, 3)) / scale, truth["batch_means"] / scale),
@@ -216,6 +243,7 @@ def _method(label, runs, truth, noise, subtracted, common):
             "image": runs[0]["image"],
             "mean": pictures.mean(axis=0).astype(np.float32),
             "frame": runs[0]["frame"],
+            **({"whole": runs[0]["whole"].astype(np.float32)} if "whole" in runs[0] else {}),
         },
     )
     for metric in METRICS:

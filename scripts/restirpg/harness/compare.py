@@ -51,6 +51,26 @@ def parse(arguments):
         help="measure the pictures of these frames alone, each against a reference of its own time and camera, "
         "in place of the mean of all frames",
     )
+    add(
+        "--tiles",
+        type=program.positive,
+        default=0,
+        metavar="N",
+        help="render the reference, and measure errors, in so many random tiles of the picture alone; with --at",
+    )
+    add(
+        "--tile-size",
+        type=program.positive,
+        default=24,
+        metavar="PIXELS",
+        help="side of a tile; it divides both sides of --size (%(default)s)",
+    )
+    add(
+        "--equal-frame-time",
+        metavar="PASS.KNOB",
+        help="raise this whole number of each cheaper method, as reuse.neighbours, until its frame costs what the dearest "
+        "method's does, and compare single frames there",
+    )
     add("--fps", type=program.length, default=0.0, metavar="F", help="play the scene's animation, F frames a second")
     add(
         "--circle",
@@ -143,6 +163,9 @@ def settings_from(options):
         motion=Motion(options.circle, options.fps) if options.circle or options.fps else None,
         at=options.at,
         denoise=options.denoise,
+        tiles=options.tiles,
+        tile_size=options.tile_size,
+        equal_frame_time=options.equal_frame_time,
     )
 
 

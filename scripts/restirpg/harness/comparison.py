@@ -5,7 +5,9 @@ import os
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from restirpg.harness import UserError, denoised, reference, render, scenes
+import numpy as np
+
+from restirpg.harness import UserError, denoised, equal_time, measure, reference, render, scenes, tiles
 from restirpg.harness.jobs import Job, Method, digest, file_name, seed_of, without_places
 from restirpg.harness.motion import Motion
 
@@ -35,6 +37,9 @@ class Settings:
     at: tuple = ()  # ascending frames whose own pictures are measured, each against a reference of its own;
     # (): measured is the mean of all frames, after each of them
     denoise: bool = False  # measure what a denoiser leaves, too
+    tiles: int = 0  # that errors are measured in, see tiles.py; 0: the whole picture
+    tile_size: int = 24  # their side, pixels
+    equal_frame_time: str | None = None  # the knob, see equal_time.py
 
 
 @dataclass
@@ -49,6 +54,8 @@ class SceneRuns:
     at: tuple = ()  # as in Settings
     noise: tuple = ()  # reference.noise() of each frame of `at`
     denoised: dict = field(default_factory=dict)  # method label -> denoised.of_runs(); empty: not asked for
+    without: dict = field(default_factory=dict)  # of tiles: tiles.reference_errors()
+    brackets: dict = field(default_factory=dict)  # at equal frame time: method label -> equal_time.Bracket
 
 
 class Comparison:
@@ -68,6 +75,10 @@ class Comparison:
                 raise UserError(f"two pictures would be called '{label}'; tell them apart with @label=NAME")
         if settings.motion and not settings.at:
             raise UserError("while things move only single frames can be measured: say which, as in --at 8,16")
+        if settings.tiles and settings.denoise:
+            raise UserError("tiles cannot be denoised: leave out --denoise or --tiles")
+        if settings.tiles and not settings.at:
+            raise UserError("in tiles only single frames can be measured: say which, as in --at 11,12,13")
 
     def prepare(self):
         """Check scenes, graphs and knobs before anything long starts; raises UserError."""
@@ -81,6 +92,8 @@ class Comparison:
         if settings.reference and len(names) > 1:
             raise UserError(f"{settings.reference}: one picture cannot be the reference of {len(names)} scenes")
         self.code = code = render.code_version()
+        seed = seed_of(settings.base_seed, "tiles")
+        self.corners = tiles.choose(settings.size, settings.tiles, settings.tile_size, seed) if settings.tiles else ()
         descriptions = {
             method.graph: json.dumps(render.describe_graph(method.graph), sort_keys=True)
             for method in self._all_methods()
@@ -107,6 +120,8 @@ class Comparison:
                 bounces=facts.bounces(settings.bounces),
                 motion=settings.motion,
                 at=settings.at,
+                tiles=self.corners,
+                tile=settings.tile_size if self.corners else 0,
             )
             jobs = [self._job(base, method, descriptions[method.graph]) for method in self._all_methods()]
             self.plans.append(self._plan(facts, jobs, self._probe(jobs)))
@@ -162,7 +177,7 @@ class Comparison:
             knobs = (("jitter", jitter),) if differs else ()
             frames = max(1, settings.reference_frames // settings.reference_batches)
             cap = cap if largest_knob(own, "bounces") is not None else None
-            still = replace(job, bounces=cap, knobs=knobs, frames=frames, at=())
+            still = replace(job, bounces=cap, knobs=knobs, frames=frames, at=(), windows=bool(self.corners))
             batches = {view: self._batches(still, view) for view in dict.fromkeys(views.values())}
             warnings += [
                 f"{label}: its bounce cap is {own_cap}, the reference's {cap}: the difference counts as error"
@@ -181,6 +196,9 @@ class Comparison:
                 "the methods differ in their pixel filter (knob jitter); the reference has the first one's"
             )
         knobs = {job.label: probes[job.label]["knobs"] for job in methods}
+        raised = settings.equal_frame_time
+        if raised and all(equal_time.start_of(own, raised) is None for own in knobs.values()):
+            raise UserError(f"no method has a whole number '{raised}' that --equal-frame-time could raise; write it PASS.KNOB")
         return {
             "scene": jobs[0].scene,
             "methods": methods,
@@ -226,23 +244,64 @@ class Comparison:
             work += sum(cost(job) for jobs in (*plan["batches"].values(), plan["jobs"]) for job in jobs)
         self.display.start(work)
         for plan in self.plans:
+            if self.corners:  # such runs keep their pictures and take longest: they are there before the reference is
+                self.render(plan["jobs"])
             references = self._references(plan)
             if None in references.values():
                 self.failures.append(f"{plan['scene']}: left out: its reference failed")
-                self.display.skip(sum(cost(job) for job in plan["jobs"]))
+                self.display.skip(0 if self.corners else sum(cost(job) for job in plan["jobs"]))
                 continue
             keys = [references[view] for view in plan["views"].values()]
             named = {"references": tuple(keys)} if self.settings.at else {"reference": keys[0]}
-            jobs = [replace(job, **named) for job in plan["jobs"]]
-            self.render(jobs)
-            results.append(self._collect(plan, keys, jobs))
+            jobs = plan["jobs"] if self.corners else [replace(job, **named) for job in plan["jobs"]]
+            if not self.corners:
+                self.render(jobs)
+            brackets, added = self._equal_frame_time(plan, jobs)
+            self.render(added)
+            results.append(replace(self._collect(plan, keys, [*jobs, *added]), brackets=brackets))
         self.display.stop()
         return results
+
+    def _equal_frame_time(self, plan, jobs):
+        """({label: Bracket} of the cheaper methods, the jobs of their neighbouring settings), none unless asked for."""
+        knob, brackets, added = self.settings.equal_frame_time, {}, []
+        runs = {}
+        for job in jobs if knob else ():
+            if result := self.cache.load(job.key):
+                runs.setdefault(job.label, []).append(result)
+        if len(runs) < 2:
+            return {}, []
+        other = next(job for job in jobs if job.label == equal_time.dearest(runs))
+        for job in plan["methods"].copy():
+            if job.label not in runs or job.label == other.label:
+                continue
+            start = equal_time.start_of(plan["knobs"][job.label], knob)
+            if start is None:
+                plan["warnings"].append(f"{job.label}: it has no {knob} to raise: its frames stay cheaper than those of {other.label}")
+                continue
+            call = equal_time.search_call(job, replace(other, seed=0), knob, start)
+            for _, failure, _ in self._pool.run([call] if self.cache.load(call.key) is None else [], kind="call"):
+                if failure:
+                    self.failures.append(f"{call.scene}, {call.label}: {failure}")
+            answer = self.cache.load(call.key)
+            bracket = answer and equal_time.bracket_of(answer, job.label, knob)
+            if not bracket:
+                continue
+            brackets[job.label] = bracket
+            for label, value in zip(bracket.labels, (bracket.low, bracket.low + 1)):
+                set_to = replace(job, label=label, knobs=(*job.knobs, (knob, value)))
+                plan["methods"].append(set_to)
+                plan["knobs"][label] = _with_knob(plan["knobs"][job.label], knob, value)
+                added += [replace(set_to, seed=each.seed, reference=each.reference, references=each.references)
+                          for each in jobs if each.label == job.label]
+        return brackets, added
 
     def _references(self, plan):
         """{view: key of its reference, in the cache by then, or None when it failed}."""
         if self.settings.reference:
-            key, _ = reference.from_exr(self.cache, self.settings.reference, self.settings.size)
+            key, _ = reference.from_exr(
+                self.cache, self.settings.reference, self.settings.size, self.corners, self.settings.tile_size
+            )
             return dict.fromkeys(plan["views"].values(), key)
         return {view: self._reference(batches) for view, batches in plan["batches"].items()}
 
@@ -280,11 +339,14 @@ class Comparison:
         """
         truth = self.cache.need(keys[-1])
         noise = {key: reference.noise(self.cache.need(key)) for key in set(keys)} if self.settings.at else {}
+        truths = [self.cache.need(key)["mean"] for key in keys] if self.corners else []
         results = {job.label: {} for job in jobs}
         for job in jobs:
             result = self.cache.load(job.key)
             if result:
                 results[job.label][job.seed] = result
+                if self.corners:
+                    measure.measure_tiles(result, truths, self.settings.tile_size)
         finished = {label: runs for label, runs in results.items() if runs}
         baseline = plan["methods"][0].label
         if baseline not in finished:
@@ -337,6 +399,7 @@ class Comparison:
             self.settings.at,
             tuple(noise[key] for key in keys if noise),
             self._denoised(plan["methods"][0], runs, truth) if self.settings.denoise and runs else {},
+            self._without(plan, runs),
         )
 
     def _denoised(self, job, runs, truth):
@@ -350,15 +413,33 @@ class Comparison:
         found = self.cache.need(call.key)
         return {label: denoised.of_runs(seeds, found, truth["mean"]) for label, seeds in runs.items()}
 
+    def _without(self, plan, runs):
+        """Of tiles: the methods' errors with one batch of the references left out at a time."""
+        if not self.corners or not plan["batches"] or self.settings.reference_batches < 2:
+            return {}
+        stacks = {
+            view: np.array([np.nan_to_num(self.cache.need(job.key)["image"]) for job in jobs])
+            for view, jobs in plan["batches"].items()
+        }
+        views = [stacks[view] for view in plan["views"].values()]
+        return tiles.reference_errors(runs, views, self.settings.tile_size)
+
 
 def cost(job):
     """The job's share of the whole work: pixels times frames."""
-    return job.size[0] * job.size[1] * job.frames
+    pixels = len(job.tiles) * job.tile**2 if job.windows else job.size[0] * job.size[1]
+    return pixels * job.frames
 
 
 def largest_knob(knobs, name):
     """The largest value of knob `name` over all passes, or None when no pass has it."""
     return max((values[name] for values in knobs.values() if name in values), default=None)
+
+
+def _with_knob(knobs, path, value):
+    """The knobs by pass with the one of that path set."""
+    name, _, own = path.partition(".")
+    return {**knobs, name: {**knobs[name], own: value}}
 
 
 def with_knobs(description, knobs):

@@ -13,7 +13,7 @@ from restirpg.harness.motion import Motion
 
 EVERY_FRAME_UP_TO = 256  # longer runs are measured at a geometric sequence of frames ...
 LAST_FRAMES = 32  # ... and at this many last ones, one after the other, for the temporal statistics
-LATER_FIELDS = ("motion", "still", "at", "references", "energy_compensation")  # of a Job; see Job.key
+LATER_FIELDS = ("motion", "still", "at", "references", "energy_compensation", "tiles", "tile", "windows")  # of a Job; see Job.key
 
 
 @dataclass(frozen=True)
@@ -94,6 +94,9 @@ class Job:
     at: tuple = ()  # ascending frames whose own picture is measured, not the mean of all; (): the output is
     references: tuple = ()  # key of the reference of each frame of `at`
     energy_compensation: bool = False  # of the material model
+    tiles: tuple = ()  # corners (x, y) of the tiles that are measured, see tiles.py; (): the whole picture is
+    tile: int = 0  # their side, pixels
+    windows: bool = False  # the tiles alone are rendered, each for all frames
     label: str = field(default="", compare=False)  # for messages
 
     @property

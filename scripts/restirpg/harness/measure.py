@@ -6,9 +6,11 @@ import time
 import numpy as np
 
 import restirpg
+from restirpg.harness import tiles
 from restirpg.harness.render import Renderers, dropped_samples, is_running_mean
 
 ERRORS = ("mape", "relmse", "rmse", "bias", "invalid")
+LARGEST_HALF = 65504
 
 
 def run(job, load=lambda key: None, tick=lambda frames: None, renderers=None):
@@ -21,13 +23,16 @@ def run(job, load=lambda key: None, tick=lambda frames: None, renderers=None):
     `invalid`, `frame_mape` (of that frame alone, NaN where it is not known), `gpu_ms` and `wall_ms` (both
     summed since the start); `image` and `frame` (float32, H x W x 3: the output after the last frame, and what
     the last frame alone added to it; with job.at the latter is what is measured, and both); `temporal`, see
-    TemporalSums; and `meta`.
+    TemporalSums; and `meta`. With job.tiles no errors, but `pictures`, the measured frames as stacks of tiles, whose
+    errors measure_tiles() finds, and `whole`, the last of them in half floats.
     """
+    if job.windows:
+        return _run_windows(job, tick, renderers or Renderers())
     tick(0)
     renderer, home = (renderers or Renderers()).begin(job)
     pictures, measured = _Pictures(renderer, job), job.frames_measured()
     read = {*measured, *(frame - 1 for frame in job.at)}
-    errors, wall = _Errors(load), 0.0
+    errors, stacks, wall = _Errors(load), [], 0.0
     for frame in range(1, measured[-1] + 1):
         if job.motion:
             job.motion.apply(renderer, home, job.still or frame)
@@ -39,12 +44,20 @@ def run(job, load=lambda key: None, tick=lambda frames: None, renderers=None):
             continue
         image, alone = pictures.after(frame)
         image = alone if job.at else image
-        if frame in measured and job.reference_of(frame):
-            errors.add(job.reference_of(frame), frame, image, alone)
+        if frame in measured and (job.tiles or job.reference_of(frame)):
             errors.times.append([sum(renderer.total_gpu_times().values()), wall])
+            if job.tiles:
+                stacks.append(tiles.stack(alone, job.tiles, job.tile))
+            else:
+                errors.add(job.reference_of(frame), frame, image, alone)
+    whole = {}
+    if job.tiles:
+        whole = {"whole": np.clip(alone, 0, LARGEST_HALF).astype(np.float16), "pictures": np.array(stacks)}
+        image = alone = stacks[-1]
     return {
         "frames": np.array(measured),
         **errors.columns(),
+        **whole,
         "image": image,
         "frame": image if alone is None else alone,
         "temporal": errors.temporal.sums,
@@ -59,6 +72,45 @@ def run(job, load=lambda key: None, tick=lambda frames: None, renderers=None):
             "dropped": dropped_samples(renderer),
         },
     }
+
+
+def _run_windows(job, tick, renderers):
+    """As run(), of the job's tiles alone, one after the other: their stack."""
+    tick(0)
+    renderer, home = renderers.begin(job)
+    parts, dropped, start = [], 0, time.perf_counter()
+    for corner in job.tiles:
+        renderer.move_window(*corner)
+        if job.motion:
+            job.motion.apply(renderer, home, job.still or 1)
+        renderer.render(job.frames)
+        parts.append(_Pictures(renderer, job).after(job.frames)[0])
+        dropped += dropped_samples(renderer)
+        tick(job.frames / len(job.tiles))
+    image = np.concatenate(parts)
+    return {
+        "image": image,
+        "meta": {
+            "device": dict(renderer.device_info),
+            "knobs": renderer.knobs(),
+            "wall_ms": 1e3 * (time.perf_counter() - start),
+            "invalid": int(np.sum(~np.isfinite(image).all(axis=-1))),
+            "dropped": dropped,
+        },
+    }
+
+
+def measure_tiles(result, truths, side):
+    """Give a result with `pictures` its errors against those stacks, a frame each: as run() has them, and
+    `tile_mape`, `tile_relmse` and `tile_bias` (tiles, frames).
+    """
+    found = _Errors(dict(enumerate({"mean": truth} for truth in truths)).get)
+    for number, (frame, picture) in enumerate(zip(result["frames"], result["pictures"])):
+        found.add(number, frame, picture, picture)
+    columns = {name: values for name, values in found.columns().items() if not name.endswith("_ms")}
+    by_tile = [tiles.errors(picture, truth, side) for picture, truth in zip(result["pictures"], truths)]
+    by_tile = {f"tile_{name}": np.array([each[name] for each in by_tile]).T for name in tiles.METRICS}
+    result.update(columns, **by_tile, temporal=found.temporal.sums)
 
 
 class _Pictures:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restirpg.harness import UserError, render
+from restirpg.harness import UserError, render, tiles
 from restirpg.harness.jobs import digest
 from restirpg.harness.statistics import block_means, luminance
 
@@ -52,14 +52,16 @@ def combine(cache, jobs):
     return result
 
 
-def from_exr(cache, file, size):
-    """An EXR as a reference, taken as exact. Returns (key, result); raises UserError."""
+def from_exr(cache, file, size, corners=(), side=0):
+    """An EXR as a reference, or its tiles at those corners, taken as exact. Returns (key, result); raises UserError."""
     image = render.read_exr(file)
     if image.shape[:2] != (size[1], size[0]):
         raise UserError(
             f"{file}: the reference is {image.shape[1]}x{image.shape[0]}; "
             f"give that as --size, not {size[0]}x{size[1]}"
         )
+    if corners:
+        image = tiles.stack(image, corners, side)
     result = {
         "mean": image,
         "variance": np.zeros_like(image),

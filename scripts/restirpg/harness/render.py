@@ -42,8 +42,9 @@ def refusals():
 
 #: Of the package, what a run's or call's result depends on.
 MEASURING = (
-    "evaluate.py", "graph.py", "harness/cell_counts.py", "harness/denoised.py", "harness/guide_maps.py", "harness/guiding.py", "harness/measure.py",
-    "harness/motion.py", "harness/paper/figure_4.py", "harness/render.py",
+    "evaluate.py", "graph.py", "harness/cell_counts.py", "harness/denoised.py", "harness/equal_time.py", "harness/guide_maps.py",
+    "harness/guiding.py", "harness/measure.py", "harness/motion.py", "harness/paper/figure_4.py", "harness/render.py",
+    "harness/tiles.py",
 )  # fmt: skip
 #: Environment variables that results depend on: whence shaders and passes are taken, and what slows a frame.
 #: RESTIRPG_PYTHON and RESTIRPG_BUILD decide what a graph's description and the package are, which count themselves;
@@ -145,6 +146,7 @@ def make_renderer(job):
         device=job.device,
         backend=job.backend,
         energy_compensation=job.energy_compensation,
+        window=(*job.tiles[0], job.tile, job.tile) if job.windows else None,
     )
     if job.bounces is not None:
         renderer.set_everywhere("bounces", job.bounces)

@@ -279,7 +279,10 @@ def write(findings, settings, comparison, file):
 
 def write_pictures(findings, folder):
     """Write SCENE.METHOD.exr, references too: the first seed's picture; as layers the seeds' mean, the last frame alone,
-    and that frame denoised where it was."""
+    and that frame denoised where it was.
+
+    Of tiles these are stacks; SCENE.METHOD.whole.exr is the first seed's last frame.
+    """
     files.make_folder(folder, "--out")
     for scene in findings:
         names = exr_names(scene)
@@ -295,3 +298,9 @@ def write_pictures(findings, folder):
                 {"": method.images["image"], **layers},
                 {"graph": json.dumps(scene.descriptions[method.label])},
             )
+            if "whole" in method.images:
+                render.write_exr(
+                    folder / names[method.label].replace(".exr", ".whole.exr"),
+                    {"": method.images["whole"]},
+                    {"graph": json.dumps(scene.descriptions[method.label])},
+                )

@@ -9,7 +9,7 @@ import rich.box
 from rich.console import Console
 from rich.table import Table
 
-from restirpg.harness import files
+from restirpg.harness import equal_time, files
 from restirpg.harness import statistics as st
 from restirpg.harness.analysis import METRICS, SETTLED
 
@@ -152,12 +152,45 @@ def _single_frame_tables(scene):
                          (method.gpu_ms, method.wall_ms))]
         for method in scene.methods
     ]
+    if scene.unit == "tile":
+        tables.insert(0, _tile_table(scene))
     return [*tables, ("Cost", ["method", "GPU ms/frame", "wall ms/frame"], costs)]
+
+
+def _tile_table(scene):
+    """(title, header, rows) of the mean over all measured frames, in tiles: what both kinds of noise leave unsure."""
+    baseline, rows = scene.methods[0], []
+    for method in scene.methods:
+        own, against = scene.reference_se.get(method.label, (float("nan"), float("nan")))
+        row = [method.label, with_error(*st.mean_se(method.single), 100, "%"), with_error(100 * own, math.nan, 1, "%")]
+        if method is baseline:
+            row += ["baseline", "—", "—"]
+        else:
+            quotient, se = st.ratio(method.single, baseline.single)
+            row += [with_error(quotient - 1, se, 100, "%"), with_error(100 * against, math.nan, 1, "%"), verdict(method, baseline, "mape", "single")]
+        rows.append(row)
+    header = ["method", "MAPE ± by tiles", "± by the reference", "change from the first ± by tiles", "± by the reference", "tested"]
+    return f"Mean of {len(scene.at)} single frames, {scene.at[0]} to {scene.at[-1]}, in {scene.seeds} tiles", header, rows
+
+
+def _equal_frame_time_table(scene):
+    """(title, header, rows) of single frames that cost the same."""
+    rows = []
+    for own in equal_time.compare(scene.brackets, scene.methods):
+        row = [own.label, own.setting, with_error(*st.mean_se(own.values), 100, "%")]
+        if not rows:
+            rows.append([*row, "—", "baseline"])
+            continue
+        word = "not different" if own.p >= st.LEVEL else "lower" if own.ratio[0] < 1 else "higher"
+        tested = "not tested" if math.isnan(own.p) else f"{word} (p = {max(own.p, 1e-99):.2g})"
+        rows.append([*row, with_error(own.ratio[0] - 1, own.ratio[1], 100, "%"), tested])
+    return "Equal frame time: single frames", ["method", "setting", "MAPE", "change from the first", "tested"], rows
 
 
 def error_tables(scene):
     """[(title, header, rows)] of the errors: of single frames, or at equal frames and at equal time."""
-    return _single_frame_tables(scene) if scene.at else equal_tables(scene)
+    found = _single_frame_tables(scene) if scene.at else equal_tables(scene)
+    return [_equal_frame_time_table(scene), *found] if scene.brackets else found
 
 
 def _compared_in_words(scene, mode):
@@ -187,6 +220,8 @@ def verdict_sentence(scene):
         return ""
     ways = {_test_of(scene, scene.at[-1]): f"in frame {scene.at[-1]}"} if scene.at else {
         "single": "in single frames", "time": "at equal time"}
+    if scene.unit == "tile":
+        ways = {"single": f"in single frames, {scene.at[0]} to {scene.at[-1]}"}
     found = {words: _compared_in_words(scene, mode) for mode, words in ways.items()}
     who = f"{others[0].label} is not" if len(others) == 1 else "no method is"
     if not any(found.values()):
@@ -274,7 +309,7 @@ def as_text(findings, width=None):
     stream = io.StringIO()
     console = Console(file=stream, width=width or 170)
     for scene in findings:
-        console.print(f"\n{scene.scene}  ({scene.seeds} seeds)", style="bold", highlight=False)
+        console.print(f"\n{scene.scene}  ({scene.seeds} {scene.unit}s)", style="bold", highlight=False)
         if sentence := verdict_sentence(scene):
             console.print(sentence, highlight=False)
         console.print(reference_line(scene), highlight=False)
@@ -288,8 +323,9 @@ def as_text(findings, width=None):
                 table.add_row(*row)
             console.print(table, highlight=False)
     level = f"{100 * st.LEVEL:.0f}%"
+    unit = findings[0].unit if findings else "seed"
     console.print(
-        "Errors are ± one standard error over seeds. Tests are paired by seed; "
+        f"Errors are ± one standard error over {unit}s. Tests are paired by {unit}; "
         f"words are at {level} over all methods and scenes (Holm).",
         highlight=False,
     )
@@ -342,14 +378,18 @@ def _write(path, header, rows):
 def write_csv(findings, folder):
     """Write runs.csv (every seed and measured frame) and summary.csv (every method) into `folder`.
 
-    Where single frames are measured, frames.csv too: every method and frame. Errors after denoising are in
-    denoised.csv alone.
+    Where single frames are measured, frames.csv too: every method and frame. Where they are measured in tiles, tiles.csv
+    too: every method, all frames together; `seed` counts tiles in runs.csv. Errors after denoising are in denoised.csv alone.
     """
     folder = Path(folder)
     if any(scene.at for scene in findings):
         _write_frames(findings, folder / "frames.csv")
     if any(method.denoised for scene in findings for method in scene.methods):
         _write_denoised(findings, folder / "denoised.csv")
+    if any(scene.brackets for scene in findings):
+        _write_equal_time(findings, folder / "equal_time.csv")
+    if any(scene.unit == "tile" for scene in findings):
+        _write_tiles(findings, folder / "tiles.csv")
     names = ("mape", "relmse", "bias")
     rows = [
         [
@@ -418,6 +458,33 @@ def _write_denoised(findings, file):
         for seed in range(scene.seeds)
     ]
     _write(file, ["scene", "method", "seed", "mape_denoised_frame", "mape_denoised_image"], rows)
+
+
+def _write_equal_time(findings, file):
+    """Single frames' MAPE at equal frame time, with the knob's value and the ratios of frame times that it lies between."""
+    header = ["scene", "method", "setting", "ratio_below", "ratio_above", "mape", "mape_se", "change", "change_se", "p"]
+    rows = []
+    for scene in findings:
+        for own in equal_time.compare(scene.brackets, scene.methods):
+            ratios = scene.brackets[own.label].ratios if own.label in scene.brackets else (1, 1)
+            numbers = [*ratios, *st.mean_se(own.values), own.ratio[0] - 1, own.ratio[1], own.p]
+            rows.append([scene.scene, own.label, own.setting, *(f"{float(value):.9g}" for value in numbers)])
+    _write(file, header, rows)
+
+
+def _write_tiles(findings, file):
+    """MAPE over all measured frames, and its change from the first method's, with both standard errors."""
+    header = ["scene", "method", "tiles", "frames", "mape", "mape_se", "mape_reference_se", "change", "change_se",
+              "change_reference_se", "p", "gpu_ms", "wall_ms"]
+    rows = []
+    for scene in findings:
+        for method in scene.methods:
+            own, against = scene.reference_se.get(method.label, (math.nan, math.nan))
+            quotient, se = st.ratio(method.single, scene.methods[0].single)
+            numbers = [*st.mean_se(method.single), own, quotient - 1, se, against, method.adjusted.get(("mape", "single"), math.nan)]
+            times = [float(each[:, -1].mean() / method.frames[-1]) for each in (method.gpu_ms, method.wall_ms)]
+            rows.append([scene.scene, method.label, scene.seeds, len(scene.at), *(f"{float(value):.9g}" for value in numbers + times)])
+    _write(file, header, rows)
 
 
 def _write_frames(findings, file):

@@ -20,6 +20,7 @@ DEFAULTS = {
     "blotch": 0,  # > 0: noise is shared by blocks of this many pixels
     "memory": 0.0,  # autocorrelation of a pixel's frames at lag 1
     "ms": 2.0,  # per frame
+    "neighbours": 0,  # each takes 0.5 ms more and takes a tenth off the noise
     "sleep": 0.0,  # seconds a frame really takes
     "broken": 0,  # pixels of the picture that are NaN
     "crash_seed": -1,  # the run with this seed ends the process
@@ -80,11 +81,17 @@ class Renderer:
     camera = {"position": (0.0, 0.0, 0.0), "target": (0.0, 0.0, -1.0), "up": (0.0, 1.0, 0.0)}
     device_info = {"name": "fake device", "driver": "1", "backend": "none"}
 
-    def __init__(self, scene, graph, size, seed=0, device=None, backend=None, energy_compensation=False):
+    def __init__(self, scene, graph, size, seed=0, device=None, backend=None, energy_compensation=False, window=None):
         self._size, self.seed, self._seconds = size, seed, 0.0
+        self._window = window or (0, 0, *size)
         self._knobs = {"paths": dict(DEFAULTS)}
         for entry in graph["passes"]:
             self._knobs.setdefault(entry["name"], {}).update(entry.get("knobs", {}))
+        self.cut()
+
+    def move_window(self, x, y):
+        """To that corner."""
+        self._window = (x, y, *self._window[2:])
         self.cut()
 
     def cut(self):
@@ -131,6 +138,7 @@ class Renderer:
             size = knobs["blotch"] or 1
             fresh = self._random.gamma(1, 1, (-(-height // size), -(-width // size), 1)) - 1
             fresh = fresh.repeat(size, axis=0).repeat(size, axis=1)[:height, :width] * knobs["noise"]
+            fresh = fresh * 0.9 ** knobs["neighbours"]
             old = knobs["memory"] if self._frames else 0.0
             self._noise = old * self._noise + np.sqrt(1 - old**2) * fresh
             light = truth(width, height, self._seconds, self.camera["position"][0])
@@ -141,11 +149,13 @@ class Renderer:
         """The mean of all frames."""
         image = (self._sum / self._frames).astype(np.float32)
         image[0, : self._knobs["paths"]["broken"]] = np.nan
-        return image
+        x, y, width, height = self._window
+        return image[y : y + height, x : x + width]
 
     def total_gpu_times(self):
         """Summed since the last cut."""
-        return {"gbuffer": 0.25 * self._frames, "paths": self._knobs["paths"]["ms"] * self._frames}
+        knobs = self._knobs["paths"]
+        return {"gbuffer": 0.25 * self._frames, "paths": (knobs["ms"] + 0.5 * knobs["neighbours"]) * self._frames}
 
     def memory(self):
         """Bytes by resource."""

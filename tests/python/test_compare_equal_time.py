@@ -1,0 +1,59 @@
+"""scripts/compare.py --equal-frame-time on the fake renderer, whose frames cost 0.25 + ms + neighbours / 2 milliseconds."""
+
+import csv
+
+import pytest
+from harness_runs import compare
+
+KNOB = {"equal_frame_time": "paths.neighbours", "frames": 8, "seeds": 4}
+
+
+def read(folder, name):
+    """A CSV file of the report by method."""
+    with open(folder / "out" / name) as file:
+        return {row["method"]: row for row in csv.DictReader(file)}
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """2.25 ms against 3.95 ms, which 3.4 neighbours cost."""
+    folder = tmp_path_factory.mktemp("equal")
+    run = compare(folder, "plain.json", "plain.json@ms=3.7,noise=0.5,label=dear", **KNOB)
+    assert run.returncode == 0, run.stderr
+    return folder, run
+
+
+def test_the_cheaper_methods_knob_is_raised_until_its_frame_costs_the_same(finished):
+    rows = read(finished[0], "equal_time.csv")
+    assert set(rows) == {"plain", "dear"}
+    assert rows["plain"]["setting"] == "paths.neighbours=3.40" and rows["dear"]["setting"] == "own"
+    assert float(rows["plain"]["ratio_below"]) == pytest.approx(3.75 / 3.95)
+    assert float(rows["plain"]["ratio_above"]) == pytest.approx(4.25 / 3.95)
+    assert "Equal frame time: single frames" in finished[1].stdout and "paths.neighbours=3.40" in finished[1].stdout
+
+
+def test_its_error_is_interpolated_between_the_two_settings(finished):
+    runs, found = read(finished[0], "summary.csv"), read(finished[0], "equal_time.csv")
+    three, four = (float(runs[f"plain paths.neighbours={count}"]["mape_single"]) for count in (3, 4))
+    assert four / three == pytest.approx(0.9, rel=0.01)  # a tenth of the noise
+    assert float(found["plain"]["mape"]) == pytest.approx(0.6 * three + 0.4 * four)
+    # 0.9^3.4 of the noise, to the dear one's half.
+    assert 1 + float(found["dear"]["change"]) == pytest.approx(0.5 / (0.6 * 0.9**3 + 0.4 * 0.9**4), rel=0.03)
+    assert float(found["dear"]["p"]) < 0.01
+
+
+def test_of_equal_cost_nothing_is_raised(tmp_path):
+    run = compare(tmp_path, "plain.json", "plain.json@noise=0.5,label=quiet", **KNOB)
+    assert run.returncode == 0, run.stderr
+    assert not (tmp_path / "out/equal_time.csv").exists()
+
+
+def test_a_knob_that_no_method_has_is_refused(tmp_path):
+    run = compare(tmp_path, **{**KNOB, "equal_frame_time": "paths.noise"})
+    assert run.returncode == 2 and "'paths.noise'" in run.stderr and run.stderr.count("\n") == 1
+
+
+def test_it_is_measured_in_tiles_too(tmp_path):
+    run = compare(tmp_path, "plain.json", "plain.json@ms=3.7,label=dear", **{**KNOB, "at": "7,8", "tiles": 6, "tile_size": 8})
+    assert run.returncode == 0, run.stderr
+    assert read(tmp_path, "equal_time.csv")["plain"]["setting"] == "paths.neighbours=3.40"
