@@ -1,0 +1,136 @@
+#!/usr/bin/python3
+"""The paper's comparison at the paper's size: four methods and ReSTIR PG+, single frames 11 to 20 of 1920x1080.
+
+    benchmarks/paper_size.py SCENE[@WxH]... [--out out/paper_size] [further options of scripts/compare.py]
+    benchmarks/paper_size.py --collect out/paper_size --results benchmarks/results/paper_size
+
+The first line is scripts/compare.py with the options below on each scene in turn. The reference is rendered, and errors are
+measured, in random tiles alone. Finished runs are kept in OUT/cache, one a (scene, method, seed), each under a
+checksum: the same command goes on where it was interrupted, and another number of --reference-frames takes no
+run again. The second line writes summary.csv and tables.md from all scenes that are finished. Exit code: as
+scripts/compare.py.
+"""
+
+import argparse
+import csv
+import io
+import sys
+from pathlib import Path
+
+from restirpg.harness import UserError, compare, files, program
+
+ROOT = Path(__file__).resolve().parents[1]
+GRAPHS = ("restir_pt", "restir_pg", "raw_pt_ruppert2020", "raw_pt_derevyannykh2022", "restir_pg_plus")
+FIRST, OURS, RUPPERT = GRAPHS[0], GRAPHS[1], GRAPHS[2]
+OPTIONS = [
+    "--at", "11,12,13,14,15,16,17,18,19,20", "--tiles", "64", "--seeds", "1",
+    "--reference-frames", "1024", "--reference-batches", "16",
+]  # fmt: skip
+SIZE = "1920x1080"
+
+
+def parse(arguments):
+    """The command line, and what of it compare.py is given."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE[@WxH]", help=f"scene files; pixels ({SIZE})")
+    parser.add_argument("--out", default="out/paper_size", help="folder of runs and reports (%(default)s)")
+    parser.add_argument("--collect", metavar="FOLDER", help="write the table of what is finished there")
+    parser.add_argument("--results", default="benchmarks/results/paper_size", help="where --collect writes (%(default)s)")
+    return parser.parse_known_args(arguments)
+
+
+def record(options, further):
+    """Compare on each scene; returns the largest exit code, at once where a mistake or a signal ended one."""
+    worst = 0
+    for text in options.scenes:
+        scene, _, size = text.partition("@")
+        out = Path(options.out)
+        graphs = [str(ROOT / f"graphs/{name}.py") for name in GRAPHS]
+        own = ["--scenes", scene, "--size", size or SIZE, "--out", str(out / Path(scene).stem), "--cache", str(out / "cache")]
+        code = compare.main([*graphs, *own, *OPTIONS, *further])
+        worst = max(worst, code)
+        if code > 1:
+            break
+    return worst
+
+
+def read_rows(folder):
+    """The rows of every scene's tiles.csv, with the scene's name in place of its file."""
+    rows = []
+    for file in sorted(Path(folder).glob("*/tiles.csv")):
+        with open(file, newline="") as stream:
+            rows += [{**row, "scene": Path(row["scene"]).stem} for row in csv.DictReader(stream)]
+    if not rows:
+        raise UserError(f"{folder}: no scene is finished there; each has a tiles.csv in a folder of its own")
+    return rows
+
+
+def by_scene(rows):
+    """{scene: {method: row}} in the order of the rows."""
+    scenes = {}
+    for row in rows:
+        scenes.setdefault(row["scene"], {})[row["method"]] = row
+    return scenes
+
+
+def sentence(scene, methods):
+    """What was found in a scene, in plain words."""
+    error = {name: float(row["mape"]) for name, row in methods.items()}
+    best = min(error, key=error.get)
+    text = f"{scene}: the lowest mean error has {best}, {100 * error[best]:.1f}%"
+    if OURS in error and best != OURS:
+        text += f"; {OURS} does not have the lowest: {100 * error[OURS]:.1f}%"
+    for name, row in methods.items():
+        p = float(row["p"])
+        if name != FIRST and p == p:
+            change = 100 * float(row["change"])
+            text += f"; {name} errs {abs(change):.1f}% {'less' if change < 0 else 'more'} than {FIRST}"
+            text += "" if p < 0.01 else ", which is not significant"
+    return text + "."
+
+
+def as_markdown(scenes):
+    """The table of all scenes, and a sentence each."""
+    lines = [
+        "| scene | method | MAPE ± by tiles ± by the reference | change from restir_pt ± by tiles ± by the reference | p | GPU s a frame |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
+    for scene, methods in scenes.items():
+        for name, row in methods.items():
+            value = {key: float(text) for key, text in row.items() if key not in ("scene", "method")}
+            error = " ± ".join(f"{100 * value[key]:.2f}" for key in ("mape", "mape_se", "mape_reference_se"))
+            change = " ± ".join(f"{100 * value[key]:.2f}" for key in ("change", "change_se", "change_reference_se"))
+            tested = name != FIRST
+            cells = [scene, name, f"{error}%", f"{change}%" if tested else "", f"{value['p']:.1g}" if tested else "", f"{value['gpu_ms'] / 1e3:.1f}"]
+            lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join([*lines, "", *(f"- {sentence(scene, methods)}" for scene, methods in scenes.items())]) + "\n"
+
+
+def collect(folder, results):
+    """Write summary.csv and tables.md."""
+    rows = read_rows(folder)
+    results = Path(results)
+    files.make_folder(results, "--results")
+    stream = io.StringIO(newline="")
+    writer = csv.DictWriter(stream, list(rows[0]))
+    writer.writeheader()
+    writer.writerows(rows)
+    files.write(results / "summary.csv", stream.getvalue())
+    files.write(results / "tables.md", as_markdown(by_scene(rows)))
+    print(f"{results}: summary.csv and tables.md of {len(by_scene(rows))} scenes")
+    return 0
+
+
+def main(arguments):
+    """The command line. Returns the exit code."""
+    options, further = parse(arguments)
+    if options.collect:
+        return program.run("paper_size.py", lambda display: collect(options.collect, options.results))
+    if not options.scenes:
+        print("paper_size.py: no scene given; name one or more, as in benchmarks/paper_size.py veach_ajar.glb", file=sys.stderr)
+        return 2
+    return record(options, further)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
