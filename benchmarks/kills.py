@@ -1,13 +1,14 @@
 #!/usr/bin/python3
 """Kill programs at random moments, start them again until they are done, and compare what they then say.
 
-    benchmarks/kills.py [--kills 50] [--seed 1] [--cases render compare reproduce] [--markdown FILE]
+    benchmarks/kills.py [--kills 50] [--seed 1] [--cases render compare reproduce] [--warm] [--markdown FILE]
 
 Each case runs once undisturbed, which gives its numbers and how long it takes. Then its whole process group is
 killed (SIGKILL) at a moment drawn evenly over that time (the shortest that a whole run took so far), started again in
 the same folder, killed again ..., until it ends before its moment comes: a round. Numbers of a round must be those of
 the undisturbed run: pixels of all pictures, errors of all runs; times are left out. The next round begins in an empty
-folder, compiled kernels included. Exit code: 0; 1 when a number differs or a program fails; 2 for a mistake in what was asked.
+folder, compiled kernels included; with --warm all rounds share their cache, so that what a kill does to it stays. Exit
+code: 0; 1 when a number differs or a program fails; 2 for a mistake in what was asked.
 """
 
 import argparse
@@ -116,10 +117,9 @@ def time_to_end(command, environment, moment):
             return None
 
 
-def torture(command_for, folder, kills, draws, numbers=numbers_in, environment=None):
-    """The Outcome of so many kills. command_for(folder): the command that works in that folder; draws: a
-    random.Random; numbers(folder): what must be the same; environment: (folder) -> its environment."""
-    environment = environment or (lambda folder: {**os.environ, "RESTIRPG_CACHE_DIR": str(folder / "kernels")})
+def torture(command_for, folder, kills, draws, numbers, environment):
+    """The Outcome of so many kills. command_for(folder): the command that works in that folder; draws: a random.Random;
+    numbers(folder): what must be the same; environment(folder): its environment."""
     whole = folder / "whole"
     whole.mkdir(parents=True)
     seconds, failure = run_whole(command_for(whole), environment(whole))
@@ -157,6 +157,7 @@ def parse(arguments):
     parser.add_argument("--kills", type=program.positive, default=50, help="in all (%(default)s)")
     parser.add_argument("--seed", type=program.whole(0), default=1, help="of the moments (%(default)s)")
     parser.add_argument("--cases", nargs="+", choices=COMMANDS, default=list(COMMANDS), help="(all)")
+    parser.add_argument("--warm", action="store_true", help="rounds share compiled kernels")
     parser.add_argument("--markdown", type=Path, help="file to write the table to")
     return parser.parse_args(arguments)
 
@@ -169,13 +170,17 @@ def main(arguments):
         render.find_package()
         out = Path(tempfile.mkdtemp(prefix="restirpg-kills-"))
         scene = scenes.file_of("cornell_box", out)
+
+        def environment(folder):
+            return {**os.environ, "RESTIRPG_CACHE_DIR": str((out if options.warm else folder) / "kernels")}
+
         lines = ["| program | undisturbed | files compared | kills | rounds | rounds that differ or fail |",
                  "| --- | --- | --- | --- | --- | --- |"]
         wrong = []
         for number, case in enumerate(options.cases):
             share = options.kills // len(options.cases) + (number < options.kills % len(options.cases))
             outcome = torture(lambda folder: COMMANDS[case](scene, folder), out / case, share,  # noqa: B023
-                              random.Random(f"{options.seed} {case}"))
+                              random.Random(f"{options.seed} {case}"), numbers_in, environment)
             wrong += [f"{case}, {line}" for line in outcome.wrong]
             lines.append(f"| {case} | {outcome.seconds:.1f} s | {outcome.numbers} | {outcome.kills} | {outcome.rounds} "
                          f"| {len(outcome.wrong)} |")

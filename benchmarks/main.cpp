@@ -27,6 +27,8 @@ Size parseSize(const std::string& text)
 /// The back ends to measure: what was asked for, or all that the device has. Names the device in the results' context.
 std::vector<std::string> chooseBackends(const Cases& cases)
 {
+    for (const auto& backend : cases.backends)
+        Device(DeviceOptions{.device = cases.device, .backend = backend});  // refuses what it does not have
     const Device device(DeviceOptions{.device = cases.device});
     const auto& description = device.description();
     benchmark::AddCustomContext("device", description.name);
@@ -71,14 +73,16 @@ int run(int argc, char** argv)
     app.add_option("--seed", cases.seed, "of all random numbers (0)");
     try {
         app.parse(argc, argv);
+    } catch (const CLI::Success& help) {
+        return app.exit(help);
     } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
+        fail("{}; --help lists the options", error.what());
     }
     handToBenchmark(app.remaining(), argv[0]);
     for (const auto& graph : cases.graphs)
-        readGraphFile(graph);
+        Graph(readGraphFile(graph), Plugins());  // refuses its mistakes
     for (const auto& scene : cases.scenes)
-        if (!std::filesystem::exists(scene))
+        if (!std::filesystem::is_regular_file(scene))
             fail("{}: no such scene; scripts/make_scenes.py writes the embedded ones", scene);
     for (const auto& size : sizes)
         cases.sizes.push_back(parseSize(size));
@@ -86,9 +90,9 @@ int run(int argc, char** argv)
     registerGraphs(cases);
     registerTracing(cases);
     registerBsdfs(cases);
-    benchmark::RunSpecifiedBenchmarks();
+    const size_t run = benchmark::RunSpecifiedBenchmarks();  // which says itself that none matched
     benchmark::Shutdown();
-    return failedCases() == 0 ? 0 : 1;
+    return run == 0 ? 2 : failedCases() == 0 ? 0 : 1;
 }
 
 }  // namespace

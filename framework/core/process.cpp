@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <thread>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -70,8 +71,8 @@ std::vector<char*> pointers(const std::vector<std::string>& texts)
 using Clock = std::chrono::steady_clock;
 constexpr auto NEVER = Clock::time_point::max();
 
-/// Read both pipes to their ends, together: a program that fills one while we wait at the other would hang. False when they are still
-/// open at the deadline.
+/// Read both pipes to their ends, together: a program that fills one while we wait at the other would hang. Sets `timedOut` when they are
+/// still open at the deadline, `tooMuch` when more comes than may. False then.
 bool drain(Pipe& output, Pipe& errors, Clock::time_point deadline, ProcessResult& result)
 {
     std::array<pollfd, 2> polled{{{output.ends[0], POLLIN, 0}, {errors.ends[0], POLLIN, 0}}};
@@ -81,8 +82,10 @@ bool drain(Pipe& output, Pipe& errors, Clock::time_point deadline, ProcessResult
         int wait = -1;  // ms
         if (deadline != NEVER)
             wait = std::max(0, int(std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count()));
-        if (wait == 0)
+        if (wait == 0) {
+            result.timedOut = true;
             return false;
+        }
         const int ready = poll(polled.data(), polled.size(), wait);
         if (ready < 0 && errno != EINTR)
             fail("cannot wait for a program's output: {}", std::strerror(errno));
@@ -92,13 +95,33 @@ bool drain(Pipe& output, Pipe& errors, Clock::time_point deadline, ProcessResult
             if (polled[i].fd < 0 || polled[i].revents == 0)
                 continue;
             const ssize_t count = read(polled[i].fd, chunk.data(), chunk.size());
-            if (count > 0)
+            if (count > 0) {
                 texts[i]->append(chunk.data(), size_t(count));
-            else if (count == 0 || errno != EINTR)
+                result.tooMuch = result.tooMuch || texts[i]->size() > MOST_PRINTED;
+            } else if (count == 0 || errno != EINTR)
                 polled[i].fd = -1;
         }
+        if (result.tooMuch)
+            return false;
     }
     return true;
+}
+
+/// The process's status when it has ended. nullopt when it runs on at the deadline: it may have closed its pipes long before.
+std::optional<int> statusOf(pid_t process, Clock::time_point deadline)
+{
+    int status = 0;
+    while (true) {
+        const pid_t ended = waitpid(process, &status, deadline == NEVER ? 0 : WNOHANG);
+        if (ended == process)
+            return status;
+        if (ended < 0 && errno != EINTR)
+            fail("cannot wait for a program: {}", std::strerror(errno));
+        if (Clock::now() >= deadline)
+            return std::nullopt;
+        if (ended == 0)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
 }
 
 }  // namespace
@@ -125,12 +148,14 @@ ProcessResult runProcess(const std::vector<std::string>& command, const std::map
     output.closeEnd(1);
     errors.closeEnd(1);
     ProcessResult result;
-    result.timedOut = !drain(output, errors, deadline, result);
-    if (result.timedOut)
-        kill(process, SIGKILL);
-    int status = 0;
-    while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
+    std::optional<int> ended;
+    if (drain(output, errors, deadline, result)) {
+        ended = statusOf(process, deadline);
+        result.timedOut = !ended;
     }
+    if (!ended)
+        kill(process, SIGKILL);
+    const int status = ended ? *ended : statusOf(process, NEVER).value();
     result.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     return result;
 }

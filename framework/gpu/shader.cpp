@@ -144,6 +144,18 @@ Spirv readCached(const fs::path& file)
     return words;
 }
 
+/// The first mistake of a compiler's log, which stops there, in one line. `place` is given to one that has none, which is the linker's.
+Error mistakeIn(const std::string& log, const std::string& place)
+{
+    const std::string mark = "ERROR: ";
+    const size_t found = log.find(mark), begin = found == std::string::npos ? 0 : found + mark.size();
+    std::istringstream words(log.substr(begin, log.find("\n" + mark, begin) - begin));
+    std::string text = place;
+    for (std::string word; words >> word;)
+        text += (text.empty() ? "" : " ") + word;
+    return Error(text);
+}
+
 Spirv translate(const fs::path& file, const std::string& preamble, const Includes& includes)
 {
     static std::once_flag initialized;
@@ -155,11 +167,11 @@ Spirv translate(const fs::path& file, const std::string& preamble, const Include
     glslang::TShader shader(EShLangCompute);
     setUp(shader, &source, &sourceName, preamble);
     if (!shader.parse(GetDefaultResources(), 460, ECoreProfile, false, false, MESSAGES, includer))
-        throw Error(shader.getInfoLog());
+        throw mistakeIn(shader.getInfoLog(), "");
     glslang::TProgram program;
     program.addShader(&shader);
     if (!program.link(MESSAGES))
-        throw Error(fmt::format("{}: {}", name, program.getInfoLog()));
+        throw mistakeIn(program.getInfoLog(), name + ":");
     Spirv words;
     glslang::GlslangToSpv(*program.getIntermediate(EShLangCompute), words);
     return words;

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
 #include <tuple>
 
 namespace restirpg {
@@ -147,17 +148,27 @@ void Graph::connectPorts()
 void Graph::check() const
 {
     Mistakes mistakes;
+    const auto askAll = [&](const std::function<void(const GraphPass&)>& ask) {
+        for (const uint32_t index : order_) {
+            const auto& pass = passes_[index];
+            try {
+                runPlugin("", [&] { ask(pass); });
+            } catch (const Error& error) {
+                mistakes.add(pass.location, label(pass) + ": " + error.what());
+            }
+        }
+    };
+    askAll([](const GraphPass& pass) {
+        for (const auto& output : pass.interface.outputs())
+            output.type.bytes(1, 1);  // a plugin's function, too
+        for (const auto& input : pass.interface.inputs())
+            input.type.bytes(1, 1);
+    });
+    mistakes.raise();
     for (const auto& edge : edges_)
         if (passes_[edge.target].live)
             checkSize(passes_[edge.source], edge.output, passes_[edge.target], edge.input, mistakes);
-    for (const uint32_t index : order_) {
-        const auto& pass = passes_[index];
-        try {
-            runPlugin("", [&] { pass.pass->check(); });
-        } catch (const Error& error) {
-            mistakes.add(pass.location, label(pass) + ": " + error.what());
-        }
-    }
+    askAll([](const GraphPass& pass) { pass.pass->check(); });
     mistakes.raise();
 }
 

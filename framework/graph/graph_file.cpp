@@ -87,6 +87,8 @@ std::string evaluate(const fs::path& file)
     }();
     if (result.timedOut)
         fail("{}: evaluating the graph file takes more than {} s; look for a loop that does not end", file.string(), limit.count());
+    if (result.tooMuch)
+        fail("{}: the graph file prints more than {} MiB while it is evaluated; let it print less", file.string(), MOST_PRINTED >> 20);
     std::string errors = result.errors;
     while (!errors.empty() && errors.back() == '\n')
         errors.pop_back();

@@ -32,8 +32,10 @@ auto runPlugin(const std::string& label, Action action)
         return action();
     } catch (const std::bad_alloc&) {
         throw;
+    } catch (const Error& error) {
+        throw Error(label + error.what());  // which may be several lines
     } catch (const std::exception& error) {
-        throw Error(label + error.what());
+        throw Error(label + escaped(error.what()));
     } catch (...) {
         throw Error(label + "it threw what is no std::exception");
     }

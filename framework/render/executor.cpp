@@ -120,10 +120,15 @@ void Executor::run(FrameConstants constants, const BindingSet& bindings)
     constants.frame = frame_;
     constants.reset = frame_ == 0;
     connect();
-    device_.submit([&](VkCommandBuffer commands) {
-        vkCmdUpdateBuffer(commands, constants_.handle(), 0, sizeof constants, &constants);
-        record(commands, bindings);
-    });
+    try {
+        device_.submit([&](VkCommandBuffer commands) {
+            vkCmdUpdateBuffer(commands, constants_.handle(), 0, sizeof constants, &constants);
+            record(commands, bindings);
+        });
+    } catch (...) {
+        connect();  // back: the frame before is still the last one
+        throw;
+    }
     readTimes();
     ++frame_;
 }

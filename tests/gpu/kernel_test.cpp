@@ -91,11 +91,32 @@ TEST(Kernel, TheFirstMistakeIsThrownWithItsPlaceByFinishKernels)
         });
         ADD_FAILURE() << "nothing was thrown";
     } catch (const Error& error) {
-        EXPECT_NE(std::string(error.what()).find("bad.comp:2"), std::string::npos) << error.what();
+        EXPECT_EQ(std::string(error.what()), fs::canonical(bad).string() + ":2: 'nothing' : no matching overloaded function found");
     }
     EXPECT_EQ(told, (std::vector<uint32_t>{0, 1}));
     EXPECT_EQ(fourth.pipeline().groupSize().x, 8u);
     device.finishKernels();  // what failed is not said again
+}
+
+TEST(Kernel, AMistakeIsOneLine)
+{
+    const Folder folder;
+    const auto messageOf = [&](const std::string& body) {
+        const auto file = folder.write("bad.comp", "layout(local_size_x = 8) in;\n" + body);
+        try {
+            compileShader(file);
+        } catch (const Error& error) {
+            std::string text = error.what();
+            for (size_t at; (at = text.find(fs::canonical(file).string())) != std::string::npos;)
+                text.replace(at, fs::canonical(file).string().size(), "FILE");
+            return text;
+        }
+        return std::string();
+    };
+    EXPECT_EQ(messageOf("void main() {\n    nothing();\n    a = 1;\n}\n"), "FILE:3: 'nothing' : no matching overloaded function found");
+    EXPECT_EQ(messageOf("#include \"none.glsl\"\nvoid main() {}\n"),
+              "FILE:2: '#include' : Could not process include directive for header name: none.glsl");
+    EXPECT_EQ(messageOf("void other();\nvoid main() { other(); }\n"), "FILE: Linking compute stage: No function definition (body) found: other(");
 }
 
 TEST(Kernel, AnEditOfAnIncludedFileIsSeen)

@@ -98,6 +98,12 @@ TEST_F(GraphFile, ALoopWithoutEndIsEndedAndLocated)
     unsetenv("RESTIRPG_GRAPH_SECONDS");
 }
 
+TEST_F(GraphFile, AFileThatPrintsWithoutEndIsEnded)
+{
+    EXPECT_EQ(python("while True:\n    print('x' * 100000)\n"),
+              "g.py: the graph file prints more than 16 MiB while it is evaluated; let it print less");
+}
+
 TEST_F(GraphFile, AGraphIsBounded)
 {
     EXPECT_EQ(python(IMPORT + "graph = Graph('G')\nfor i in range(100000):\n    graph.add(f'p{i}', 'P')\n"),
@@ -234,6 +240,8 @@ TEST_F(PluginLibraries, BrokenOnesAreNamedWhenAskedForAndSpoilNoOther)
                                                "RESTIRPG_PASS(Meaningless, \"...\")");
     EXPECT_EQ(problem("Uncreated"), folder + "/restirpg-pass-Uncreated.so: its entry lacks a function that creates the pass; end "
                                              "its source with RESTIRPG_PASS(Uncreated, \"...\")");
+    EXPECT_EQ(problem("Sourceless"), folder + "/restirpg-pass-Sourceless.so: its entry lacks the folder of its source; end its source "
+                                              "with RESTIRPG_PASS(Sourceless, \"...\")");
     EXPECT_TRUE(problem("Garbage").ends_with(
         "restirpg-pass-Garbage.so: file too short; rebuild the pass against this framework"))
         << problem("Garbage");
@@ -270,6 +278,7 @@ TEST(Process, IsEndedAtItsLimit)
     const auto result = runProcess({"sh", "-c", "echo begun; exec sleep 1000"}, {}, std::chrono::milliseconds(300));
     EXPECT_TRUE(result.timedOut);
     EXPECT_EQ(result.output, "begun\n");
+    EXPECT_TRUE(runProcess({"sh", "-c", "exec sleep 1000 >&- 2>&-"}, {}, std::chrono::milliseconds(300)).timedOut);
     EXPECT_FALSE(runProcess({"true"}, {}, std::chrono::seconds(100)).timedOut);
 }
 

@@ -63,7 +63,7 @@ private:
 };
 
 struct Throwing final : FakePass {
-    enum class Where { constructor, description, check, number } where;
+    enum class Where { constructor, description, size, check, number } where;
     explicit Throwing(Where place) : where(place)
     {
         if (where == Where::constructor)
@@ -72,6 +72,8 @@ struct Throwing final : FakePass {
     void describe(Interface& io) override
     {
         io.output("image", image_, image(3), "Picture");
+        if (where == Where::size)
+            io.output("sized", sized_, fixedSize("Sized", []() -> uint64_t { throw std::runtime_error("bad day"); }), "Items");
         if (where == Where::description)
             throw std::runtime_error("bad day");
         if (where == Where::number)
@@ -84,7 +86,7 @@ struct Throwing final : FakePass {
     }
 
 private:
-    Out<Buffer> image_;
+    Out<Buffer> image_, sized_;
 };
 
 template <Throwing::Where where>
@@ -104,7 +106,7 @@ Plugins plugins()
 {
     using Where = Throwing::Where;
     return Plugins({entry<Guides>("Guides"), entry<Reader>("Reader"), entry<Sized>("Sized"), throwing<Where::constructor>("Made"),
-                    throwing<Where::description>("Described"), throwing<Where::check>("Checked"), throwing<Where::number>("Number"),
+                    throwing<Where::description>("Described"), throwing<Where::check>("Checked"), throwing<Where::size>("Measured"), throwing<Where::number>("Number"),
                     none()});
 }
 
@@ -209,6 +211,7 @@ TEST(GraphPlugins, ACodeThatThrowsIsNamed)
     EXPECT_EQ(alone("Described"), "g.py:1: pass 'it' (Described) describes itself wrongly: bad day");
     EXPECT_EQ(alone("Number"), "g.py:1: pass 'it' (Number) describes itself wrongly: it threw what is no std::exception");
     EXPECT_EQ(alone("Checked"), "g.py:1: pass 'it' (Checked): bad day");
+    EXPECT_EQ(alone("Measured"), "g.py:1: pass 'it' (Measured): bad day");
     EXPECT_EQ(alone("None"), "g.py:1: pass 'it' (None) cannot be created: its plugin gave none");
 }
 

@@ -3,7 +3,7 @@ restirpg_test(graph_files_test SOURCES graph/files_test.cpp LINKS restirpg_core 
 
 # Plugin libraries, one good and several broken, in a folder that only this test searches.
 set(TEST_PLUGINS ${PROJECT_BINARY_DIR}/tests/plugins)
-foreach(plugin Good WrongAbi Empty Misnamed Nameless Meaningless Uncreated)
+foreach(plugin Good WrongAbi Empty Misnamed Nameless Meaningless Uncreated Sourceless)
     add_library(restirpg-pass-${plugin} MODULE graph/plugin.cpp)
     set_target_properties(restirpg-pass-${plugin} PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${TEST_PLUGINS})
     target_include_directories(restirpg-pass-${plugin} PRIVATE ${PROJECT_SOURCE_DIR}/framework)
@@ -16,7 +16,9 @@ target_compile_definitions(restirpg-pass-Misnamed PRIVATE TEST_PLUGIN_NAME="Rena
 target_compile_definitions(restirpg-pass-Nameless PRIVATE TEST_PLUGIN_NAME=nullptr TEST_PLUGIN_ABI_OFFSET=0)
 target_compile_definitions(restirpg-pass-Meaningless PRIVATE TEST_PLUGIN_NAME="Meaningless" TEST_PLUGIN_ABI_OFFSET=0 TEST_PLUGIN_MEANING=nullptr)
 target_compile_definitions(restirpg-pass-Uncreated PRIVATE TEST_PLUGIN_NAME="Uncreated" TEST_PLUGIN_ABI_OFFSET=0 TEST_PLUGIN_CREATE=nullptr)
+target_compile_definitions(restirpg-pass-Sourceless PRIVATE TEST_PLUGIN_NAME="Sourceless" TEST_PLUGIN_ABI_OFFSET=0 TEST_PLUGIN_SOURCE=nullptr)
 target_compile_definitions(graph_files_test PRIVATE TEST_PLUGINS="${TEST_PLUGINS}")
 
+restirpg_test(throwing_pass_test SOURCES graph/throwing_pass_test.cpp LINKS restirpg)
 restirpg_test(random_wirings_test SOURCES graph/random_wirings_test.cpp scene/gltf_builder.cpp LINKS restirpg)
 add_dependencies(random_wirings_test renderer)

@@ -362,6 +362,27 @@ def test_bash_completes_pass_types_and_options():
     assert completed(str(PROGRAM), "render", f"{ROOT}/graphs/restir_pg.") == [f"{ROOT}/graphs/restir_pg.py"]
 
 
+def test_the_benchmarks_refuse_in_one_line_and_show_their_options(scene, tmp_path):
+    (tmp_path / "g.py").write_text("from restirpg import Graph\ngraph = Graph('G')\ngraph.add('a', 'Nope')\n")
+    program = BUILD / "bin" / "restirpg_bench"
+
+    def said(*arguments):
+        done = subprocess.run([program, *arguments], cwd=tmp_path, text=True, capture_output=True, check=False)
+        assert (done.returncode, done.stdout) == (2, ""), done.stderr
+        return done.stderr
+
+    assert said("--graphs", "none.py") == "restirpg_bench: none.py: cannot read the graph file: No such file or directory\n"
+    assert said("--graphs", "g.py").startswith("restirpg_bench: g.py:3: there is no pass type 'Nope'")
+    assert said("--scenes", tmp_path) == f"restirpg_bench: {tmp_path}: no such scene; scripts/make_scenes.py writes the embedded ones\n"
+    assert said("--scenes", scene, "--backends", "magic").startswith("restirpg_bench: no back end 'magic'")
+    assert said("--scenes", scene, "--benchmark_filter=none") == "Failed to match any benchmarks against regex: none\n"
+    assert said("--seed", "x") == "restirpg_bench: Could not convert: --seed = x; --help lists the options\n"
+    assert said("--nonsense") == "restirpg_bench: '--nonsense' is no option; --help lists them\n"
+    options = subprocess.run([program, "--help"], text=True, capture_output=True, check=True).stdout
+    assert all(f"--{name} " in options for name in ("graphs", "scenes", "sizes", "backends", "device", "seed"))
+    assert "--benchmark_filter" in options
+
+
 @pytest.mark.parametrize(
     "readme", sorted((ROOT / "passes").glob("*/README.md")), ids=lambda file: file.parent.name
 )

@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import re
 import threading
 
 import numpy as np
@@ -152,8 +153,7 @@ def test_a_knob_whose_kernel_cannot_be_built_stays_as_it_was(scene, tmp_path, mo
     with monkeypatch.context() as patch:
         patch.setenv("RESTIRPG_SHADERS", str(tmp_path))  # a library that lacks everything
         for change in (lambda: renderer.set("paths.bounces", 3), lambda: renderer.set_everywhere("bounces", 3)):
-            with pytest.raises(restirpg.Error, match=r"pass 'paths' \(PathTracerGuided\)"):
-                change()
+            assert re.search(r": pass 'paths' \(PathTracerGuided\): /.*\.comp:\d+: '#include' : Could not process", refusal(change))
     assert renderer.get("paths.bounces") == 2 and renderer.frame == 1
     assert renderer.output("image").tobytes() == before.tobytes()
     renderer.cut()

@@ -1,0 +1,99 @@
+// A pass whose code throws on the device: the message names it, and the renderer's state stays as it was.
+#include "../gpu/gpu_test.h"
+#include "describing.h"
+
+#include "render/executor.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace restirpg::test {
+namespace {
+
+/// Throws where its knob says.
+class Throwing final : public Pass {
+public:
+    void describe(Interface& io) override
+    {
+        io.optionalInput("history", history_, image(3), "Picture of the frame before");
+        io.output("image", image_, image(3), "Picture");
+        io.choice("built", built_, {"fine", "error", "number"}, "What build throws");
+        io.structural();
+        io.choice("recorded", recorded_, {"fine", "error", "number"}, "What record throws");
+    }
+    void build(Device&) override { throwAs(built_); }
+    void record(Frame&) override
+    {
+        throwAs(recorded_);
+        read = history_.resource;
+        written = image_.resource;
+    }
+
+    static inline const Buffer *read = nullptr, *written = nullptr;  ///< of the last frame
+
+private:
+    static void throwAs(const std::string& kind)
+    {
+        if (kind == "error")
+            throw std::runtime_error("bad\nday\x1b");
+        if (kind == "number")
+            throw 42;
+    }
+
+    In<Buffer> history_;
+    Out<Buffer> image_;
+    std::string built_ = "fine", recorded_ = "fine";
+};
+
+std::string messageOf(const std::function<void()>& action)
+{
+    try {
+        action();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return {};
+}
+
+std::unique_ptr<Graph> graphOf(const json& knobs)
+{
+    Writer writer;
+    writer.add("it", "Throwing", {{"history", "~it.image"}}, knobs).output("image", "it.image");
+    return std::make_unique<Graph>(writer.graph, Plugins({entry<Throwing>("Throwing")}));
+}
+
+TEST(ThrowingPass, IsNamedWhenItBuilds)
+{
+    Device device(DeviceOptions{.device = testDevice(), .validation = true});
+    EXPECT_EQ(messageOf([&] { Executor(device, graphOf({{"built", "error"}}), 8, 8, {}); }), "g.py:1: pass 'it' (Throwing): bad\\nday\\x1b");
+    EXPECT_EQ(messageOf([&] { Executor(device, graphOf({{"built", "number"}}), 8, 8, {}); }),
+              "g.py:1: pass 'it' (Throwing): it threw what is no std::exception");
+    EXPECT_EQ(device.allocatedBytes(), 0u);
+}
+
+TEST(ThrowingPass, IsNamedWhenItRecordsOrIsBuiltAnewAndRunsAfterwards)
+{
+    Device device(DeviceOptions{.device = testDevice(), .validation = true});
+    const BindingSet noScene(device);
+    Executor executor(device, graphOf(json::object()), 8, 8, {});
+    auto& pass = executor.graph().passes()[0];
+    const auto run = [&] { executor.run({}, noScene); };
+    EXPECT_EQ(messageOf(run), "");
+    const Buffer* first = Throwing::written;
+    executor.setKnob(pass, "recorded", "error");
+    EXPECT_EQ(messageOf(run), "g.py:1: pass 'it' (Throwing): bad\\nday\\x1b");
+    EXPECT_EQ(executor.latest(0, 0), first);
+    executor.setKnob(pass, "recorded", "number");
+    EXPECT_EQ(messageOf(run), "g.py:1: pass 'it' (Throwing): it threw what is no std::exception");
+    executor.setKnob(pass, "recorded", "fine");
+    EXPECT_EQ(messageOf(run), "");
+    EXPECT_EQ(Throwing::read, first) << "history is that of the last frame that was";
+    EXPECT_EQ(messageOf([&] { executor.setKnob(pass, "built", "error"); }), "g.py:1: pass 'it' (Throwing): bad\\nday\\x1b");
+    EXPECT_EQ(pass.interface.knobs()[0].get(), "fine");
+    EXPECT_EQ(messageOf(run), "");
+    EXPECT_EQ(executor.frame(), 3u);
+}
+
+}  // namespace
+}  // namespace restirpg::test
