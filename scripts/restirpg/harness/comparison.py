@@ -75,16 +75,16 @@ class Comparison:
                 raise UserError(f"two pictures would be called '{label}'; tell them apart with @label=NAME")
         if settings.motion and not settings.at:
             raise UserError("while things move only single frames can be measured: say which, as in --at 8,16")
-        if settings.tiles and settings.denoise:
-            raise UserError("tiles cannot be denoised: leave out --denoise or --tiles")
-        if settings.tiles and not settings.at:
-            raise UserError("in tiles only single frames can be measured: say which, as in --at 11,12,13")
 
     def prepare(self):
         """Check scenes, graphs and knobs before anything long starts; raises UserError."""
         settings = self.settings
         if settings.denoise:
             render.check_denoiser()
+        if settings.tiles and settings.denoise:
+            raise UserError("tiles cannot be denoised: leave out --denoise or --tiles")
+        if settings.tiles and not settings.at:
+            raise UserError("in tiles only single frames can be measured: say which, as in --at 11,12,13")
         names = [Path(scene).stem for scene in settings.scenes]
         for name in names:
             if names.count(name) > 1:
