@@ -55,6 +55,7 @@ PYBIND11_MODULE(_native, module)
     py::register_exception<restirpg::Error>(module, "Error", PyExc_RuntimeError).doc() =
         "A user's mistake or an unusable file or device: its text names the place and the mend.";
     restirpg::python::bindImage(module);
+    restirpg::python::bindPass(module);
     restirpg::python::bindScene(module);
     restirpg::python::bindRenderer(module);
 }

@@ -32,6 +32,7 @@ py::object toPython(const nlohmann::json& value);
 nlohmann::json toJson(const py::object& value);
 
 void bindImage(py::module_& module);
+void bindPass(py::module_& module);
 void bindScene(py::module_& module);
 void bindRenderer(py::module_& module);
 

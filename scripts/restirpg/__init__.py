@@ -31,9 +31,11 @@ def _load_native():
 
 
 def __getattr__(name):
-    """Names of the binding module (PEP 562)."""
+    """`view`, and names of the binding module (PEP 562)."""
     if name.startswith("__") or name == "_native":
         raise AttributeError(f"module 'restirpg' has no attribute '{name}'")
+    if name == "view":
+        return importlib.import_module("restirpg.viewer").view
     try:
         native = _load_native()
     except ImportError as error:
@@ -45,6 +47,6 @@ def __getattr__(name):
 
 def __dir__():
     try:
-        return sorted({*__all__, *(name for name in dir(_load_native()) if not name.startswith("_"))})
+        return sorted({*__all__, "view", *(name for name in dir(_load_native()) if not name.startswith("_"))})
     except ImportError:
         return sorted(__all__)

@@ -45,3 +45,8 @@ def scenes():
 def see_guide():
     """Draw what guides the paths at some pixels."""
     return _run("restirpg.harness.see_guide")
+
+
+def view():
+    """Look at a scene through graphs, live."""
+    return _run("restirpg.viewer.start")

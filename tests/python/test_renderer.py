@@ -117,6 +117,17 @@ def test_knobs_are_read_set_and_refused_by_name(renderer):
     assert renderer.get("paths.bounces") == 4
 
 
+def test_a_pass_tells_its_ports_and_knobs():
+    declared = restirpg.describe_pass("PathTracerGuided")
+    knobs = {knob["name"]: knob for knob in declared["knobs"]}
+    assert declared["meaning"] and (knobs["bounces"]["type"], knobs["bounces"]["minimum"]) == ("uint", 0)
+    assert knobs["nee"]["default"] is True and "minimum" not in knobs["nee"] and "none" in knobs["fault"]["choices"]
+    outputs = {port["name"]: port for port in declared["outputs"]}
+    assert (outputs["radiance"]["type"], outputs["radiance"]["channels"]) == ("Image3", 3)
+    assert {"name", "type", "channels", "meaning"} == declared["inputs"][0].keys()
+    assert "no pass type 'Nothing'; pass types: Accumulate" in refusal(restirpg.describe_pass, "Nothing")
+
+
 def test_a_knob_turns_the_picture(renderer):
     assert np.median(image_after(renderer, 4)) > 0.05
     renderer.cut()

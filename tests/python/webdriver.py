@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+import time
 import urllib.request
 
 FLAGS = [
@@ -70,9 +71,16 @@ class Browser:
         with opener.open(request, timeout=60) as answer:
             return json.load(answer)["value"]
 
-    def open(self, file):
-        """Load a local file."""
-        self._ask("/url", {"url": f"file://{file}"})
+    def open(self, place):
+        """Load a local file, or an address."""
+        self._ask("/url", {"url": place if "://" in str(place) else f"file://{place}"})
+
+    def wait(self, condition, seconds=60):
+        """Until a JavaScript expression holds."""
+        deadline = time.monotonic() + seconds
+        while not self.run(f"return Boolean({condition})"):
+            assert time.monotonic() < deadline, condition
+            time.sleep(0.05)
 
     def resize(self, width, height):
         """Give the page that many CSS pixels, as a narrow device has them."""

@@ -1,0 +1,68 @@
+"""What the viewer asks of a graph's description (restirpg.graph documents its schema)."""
+
+import functools
+
+import restirpg
+
+
+@functools.lru_cache(maxsize=None)
+def described(pass_type):
+    """restirpg.describe_pass, asked once a type."""
+    return restirpg.describe_pass(pass_type)
+
+
+def panel(description, values):
+    """The knobs of every pass with their declarations: what the page makes its panel from. `values`: of Renderer.knobs()."""
+    passes = []
+    for entry in description["passes"]:
+        declared = described(entry["type"])
+        known = values.get(entry["name"], {})
+        knobs = [{**knob, "value": known.get(knob["name"], knob["default"])} for knob in declared["knobs"]]
+        passes.append({"name": entry["name"], "type": entry["type"], "meaning": declared["meaning"], "knobs": knobs})
+    return passes
+
+
+def image_ports(description):
+    """{"pass.output": number of channels} of all ports that are float images."""
+    ports = {}
+    for entry in description["passes"]:
+        for output in described(entry["type"])["outputs"]:
+            channels = 2 if output["type"] == "Motion" else output["channels"]
+            if channels:
+                ports[f"{entry['name']}.{output['name']}"] = channels
+    return ports
+
+
+def with_output(description, port):
+    """The description with the port among its outputs, so that it is made and can be read."""
+    name, _, output = port.partition(".")
+    shown = {"name": "shown_in_the_viewer", "pass": name, "output": output}
+    return {**description, "outputs": [*description["outputs"], shown]}
+
+
+def frame_ports(description):
+    """Ports whose sum is the picture of one frame alone, where the graph's picture is their mean by a pass Accumulate;
+    empty otherwise."""
+    picture = description["outputs"][0]
+    for entry in description["passes"]:
+        if entry["name"] == picture["pass"] and entry["type"] == "Accumulate" and picture["output"] == "mean":
+            wired = (entry.get("inputs", {}).get(name) for name in ("direct", "indirect", "emission"))
+            return [f"{source['pass']}.{source['output']}" for source in wired if source]
+    return []
+
+
+def with_knobs(description, changed):
+    """The description with other values of knobs, {"pass.knob": value}."""
+    passes = []
+    for entry in description["passes"]:
+        own = {name.partition(".")[2]: value for name, value in changed.items() if name.partition(".")[0] == entry["name"]}
+        passes.append({**entry, "knobs": {**entry.get("knobs", {}), **own}})
+    return {**description, "passes": passes}
+
+
+def as_arguments(changed):
+    """Changed knobs as options of `restirpg render`."""
+    def text(value):
+        return str(value).lower() if isinstance(value, bool) else str(value)
+
+    return " ".join(f"--set {name}={text(value)}" for name, value in sorted(changed.items()))

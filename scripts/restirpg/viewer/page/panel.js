@@ -1,0 +1,145 @@
+// The panel: of each graph its times, knobs, ports and downloads; the inspected pixel.
+"use strict";
+
+function element(name, properties = {}, ...children) {
+    const made = Object.assign(document.createElement(name), properties);
+    made.append(...children);
+    return made;
+}
+
+const bytes = count => count < 1e6 ? `${(count / 1e3).toFixed(0)} kB` : `${(count / 1e6).toFixed(1)} MB`;
+const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"];
+
+export class Panel {
+    constructor(root, page) {
+        this.root = root;
+        this.page = page;
+        this.errors = [];  // of each graph: [frames, MAPE]
+        this.chart = element("canvas", { className: "chart", hidden: true, width: 316, height: 90 });
+        this.pixel = element("div", { className: "values" });
+        this.sections = element("div");
+        root.append(this.chart, this.pixel, this.sections);
+    }
+
+    // Built anew only when passes or declarations change: an input that is typed into stays.
+    showState(state) {
+        const structure = JSON.stringify(state.panes.map(pane => [pane.name, pane.ports, pane.passes.map(pass => [pass.name, pass.knobs.map(knob => ({ ...knob, value: 0 }))])]));
+        if (structure !== this.structure) {
+            this.structure = structure;
+            this.panes = state.panes.map((pane, i) => this.buildPane(pane, i));
+            this.sections.replaceChildren(...this.panes.map(pane => pane.section));
+            this.errors = state.panes.map(() => []);
+        }
+        state.panes.forEach((pane, i) => this.fill(this.panes[i], pane));
+    }
+
+    buildPane(pane, index) {
+        const section = element("section"), inputs = new Map();
+        const port = element("select", { onchange: event => this.page.send("show", { pane: index, port: event.target.value || null }) },
+                             new Option("picture", ""), ...pane.ports.map(name => new Option(name, name)));
+        const times = element("table"), summary = element("div", { className: "actions" });
+        const download = (name, text) => element("a", { href: `capture/${name}?pane=${index}`, textContent: text, download: "" });
+        section.append(
+            element("h2", { textContent: pane.name, title: pane.file, style: `color: ${COLOURS[index]}` }), summary, times,
+            element("div", { className: "actions" }, element("label", {}, "show ", port)),
+            element("div", { className: "actions" }, download("picture.png", "PNG"), download("outputs.exr", "EXR"), download("graph.json", "graph file"),
+                    element("button", { textContent: "copy as --set", onclick: () => this.page.copy(this.page.state.panes[index].arguments || "no knob has been turned") }),
+                    element("button", { textContent: "reset knobs", onclick: () => this.page.send("reset", { pane: index }) })));
+        for (const pass of pane.passes.filter(pass => pass.knobs.length))
+            section.append(this.buildPass(pass, index, inputs));
+        return { section, inputs, port, times, summary };
+    }
+
+    buildPass(pass, index, inputs) {
+        const box = element("details", { open: true }, element("summary", { textContent: pass.name, title: `${pass.type}: ${pass.meaning}` }));
+        for (const knob of pass.knobs) {
+            const path = `${pass.name}.${knob.name}`;
+            const input = this.buildInput(knob, value => this.page.send("set", { pane: index, knob: path, value }));
+            const range = knob.minimum === undefined ? "" : ` (${knob.minimum} .. ${knob.maximum})`;
+            const line = element("label", { className: "knob", title: `${knob.meaning}${range}${knob.structural ? "; a change rebuilds the pass" : ""}` },
+                                 element("span", {}, knob.name, " ", element("em", { textContent: knob.structural ? "rebuilds" : "" })), input);
+            box.append(line);
+            inputs.set(path, { input, line, knob });
+        }
+        return box;
+    }
+
+    buildInput(knob, send) {
+        if (knob.type === "bool")
+            return element("input", { type: "checkbox", onchange: event => send(event.target.checked) });
+        if (knob.type === "choice")
+            return element("select", { onchange: event => send(event.target.value) }, ...knob.choices.map(choice => new Option(choice, choice)));
+        if (knob.type === "string")
+            return element("input", { type: "text", onchange: event => send(event.target.value) });
+        const step = knob.type === "float" ? "any" : 1;
+        return element("input", { type: "number", step, onchange: event => send(Number(event.target.value)) });
+    }
+
+    fill(built, pane) {
+        for (const pass of pane.passes)
+            for (const knob of pass.knobs) {
+                const { input, line } = built.inputs.get(`${pass.name}.${knob.name}`);
+                line.classList.toggle("changed", knob.value !== knob.initial);
+                if (document.activeElement === input && input.type !== "checkbox" && input.tagName !== "SELECT")
+                    continue;
+                if (input.type === "checkbox")
+                    input.checked = knob.value;
+                else
+                    input.value = knob.type === "float" ? Number(knob.value.toPrecision(7)) : knob.value;
+            }
+        built.port.value = pane.port ?? "";
+    }
+
+    showFrame(header) {
+        header.panes.forEach((pane, i) => this.showTimes(this.panes?.[i], pane));
+        this.addErrors(header.panes);
+    }
+
+    showTimes(built, pane) {
+        if (!built)
+            return;
+        const mape = pane.mape === null ? "" : `, MAPE ${(100 * pane.mape).toFixed(2)}%`;
+        built.summary.textContent = `${pane.frames} frames, ${pane.milliseconds.toFixed(1)} ms each, ${bytes(pane.memory)}${mape}`;
+        const most = Math.max(...Object.values(pane.passes), 1e-9);
+        built.times.replaceChildren(...Object.entries(pane.passes).map(([name, time]) => element("tr", {},
+            element("td", { textContent: name }), element("td", { style: "width: 50%" }, element("div", { className: "share", style: `width: ${100 * time / most}%` })),
+            element("td", { textContent: `${time.toFixed(2)} ms` }))));
+    }
+
+    addErrors(panes) {
+        panes.forEach((pane, i) => {
+            const line = this.errors[i] ??= [];
+            if (pane.mape === null || line.length && pane.frames < line.at(-1)[0])
+                line.length = 0;
+            if (pane.mape > 0 && pane.frames !== line.at(-1)?.[0])
+                line.push([pane.frames, pane.mape]);
+        });
+        this.chart.hidden = !this.errors.some(line => line.length);
+        if (!this.chart.hidden)
+            this.drawErrors();
+    }
+
+    // MAPE over frames, both logarithmic.
+    drawErrors() {
+        const context = this.chart.getContext("2d"), { width, height } = this.chart, all = this.errors.flat();
+        const [low, high] = [Math.min(...all.map(p => p[1])), Math.max(...all.map(p => p[1]))].map(Math.log);
+        const last = Math.log(Math.max(2, ...all.map(p => p[0])));
+        context.clearRect(0, 0, width, height);
+        this.errors.forEach((line, i) => {
+            context.strokeStyle = COLOURS[i];
+            context.beginPath();
+            for (const [frames, error] of line)
+                context.lineTo(4 + (width - 8) * Math.log(frames) / last, 14 + (height - 20) * (high - Math.log(error)) / Math.max(high - low, 1e-3));
+            context.stroke();
+        });
+        context.fillStyle = "#5b6675";
+        context.fillText(`MAPE ${(100 * Math.exp(low)).toFixed(2)} to ${(100 * Math.exp(high)).toFixed(2)}%, 1 to ${Math.round(Math.exp(last))} frames`, 4, 10);
+    }
+
+    showPixel(pixel) {
+        const text = value => (Array.isArray(value) ? value : [value]).map(part => Number(part).toPrecision(4)).join(" ");
+        const rows = values => Object.entries(values).map(([name, value]) => element("tr", {}, element("td", { textContent: name }), element("td", { textContent: text(value) })));
+        this.pixel.replaceChildren(element("h2", { textContent: `pixel ${pixel.x}, ${pixel.y}` }), element("table", {}, ...rows(pixel.geometry)),
+            ...pixel.panes.flatMap((values, i) => [element("div", { textContent: this.page.state.panes[i].name, style: `color: ${COLOURS[i]}` }), element("table", {}, ...rows(values))]));
+    }
+}

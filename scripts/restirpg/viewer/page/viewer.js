@@ -1,0 +1,245 @@
+// The page: its connection to the renderer, and the pictures on the stage.
+"use strict";
+
+import { Navigation } from "./navigation.js";
+import { Panel } from "./panel.js";
+
+const $ = id => document.getElementById(id);
+const LATENCIES = 50;  // of which the median is shown
+
+class Stage {
+    constructor(page) {
+        this.page = page;
+        this.images = [];
+        this.names = [];
+        this.look = { mode: "split", a: 0, b: 1, split: 0.5, second: false, zoom: 1, x: 0, y: 0 };
+        new ResizeObserver(() => this.draw()).observe($("stage"));
+    }
+
+    // Pictures that the next draw shows; one for each graph, or their one difference.
+    show(images) {
+        this.images.forEach(image => image.close());
+        this.images = images;
+        this.draw();
+    }
+
+    set(change) {
+        Object.assign(this.look, change);
+        if ("mode" in change) {
+            clearInterval(this.timer);
+            if (change.mode === "blink")
+                this.timer = setInterval(() => this.set({ second: !this.look.second }), 600);
+        }
+        for (const button of document.querySelectorAll("[data-mode]"))
+            button.classList.toggle("on", button.dataset.mode === this.look.mode);
+        this.draw();
+    }
+
+    // [left, right] of each pane, as places in `images`.
+    layout() {
+        const { mode, a, b, second } = this.look, last = this.images.length - 1;
+        const left = Math.min(a, last), right = Math.min(b, last);
+        if (mode === "tiles")
+            return this.images.map((_, i) => [i]);
+        if (left === right)
+            return [[left]];
+        return mode === "blink" ? [[second ? right : left]] : [[left, right]];
+    }
+
+    draw() {
+        if (this.images.length === 0)
+            return;
+        const layout = this.layout(), stage = $("stage");
+        stage.classList.toggle("tiles", this.look.mode === "tiles" && layout.length > 1);
+        while (stage.childElementCount > layout.length)
+            stage.lastChild.remove();
+        while (stage.childElementCount < layout.length)
+            this.addPane(stage);
+        layout.forEach((shown, i) => this.drawPane(stage.children[i], shown));
+    }
+
+    addPane(stage) {
+        const pane = document.createElement("div");
+        pane.className = "pane";
+        pane.append(document.createElement("canvas"), Object.assign(document.createElement("span"), { className: "left" }),
+                    Object.assign(document.createElement("span"), { className: "right" }));
+        stage.append(pane);
+        this.page.navigation.attach(pane.firstChild);
+    }
+
+    drawPane(pane, [left, right]) {
+        const { width, height } = this.images[0], canvas = pane.firstChild, s = this.look;
+        pane.style.setProperty("--aspect", width / height);
+        const across = Math.round(pane.clientWidth * devicePixelRatio), down = Math.round(across * height / width);
+        if (canvas.width !== across || canvas.height !== down)
+            Object.assign(canvas, { width: across, height: down });
+        for (const side of ["x", "y"])
+            s[side] = Math.min(1 - 1 / s.zoom, Math.max(0, s[side]));
+        const context = canvas.getContext("2d"), splits = right !== undefined;
+        this.blit(context, left, 0, splits ? s.split : 1);
+        if (splits) {
+            this.blit(context, right, s.split, 1);
+            context.fillStyle = "#fff";
+            context.fillRect(s.split * across - 1, 0, 2, down);
+        }
+        pane.children[1].textContent = this.names[left] ?? "";
+        pane.children[2].textContent = splits ? this.names[right] ?? "" : "";
+        pane.children[2].hidden = !splits;
+    }
+
+    // Draw the part of a picture between two fractions of the canvas's width.
+    blit(context, index, from, to) {
+        if (to <= from)
+            return;
+        const { zoom, x, y } = this.look, image = this.images[index], { width, height } = context.canvas;
+        context.imageSmoothingEnabled = width < image.width / zoom;
+        context.drawImage(image, (x + from / zoom) * image.width, y * image.height, (to - from) / zoom * image.width,
+                          image.height / zoom, from * width, 0, (to - from) * width, height);
+    }
+
+    splits() { return this.look.mode === "split" && this.images.length > 1 && this.look.a !== this.look.b; }
+}
+
+class Page {
+    constructor() {
+        this.navigation = new Navigation(this);
+        this.stage = new Stage(this);
+        this.panel = new Panel($("panel"), this);
+        this.sent = new Map();  // id of a message: when it was sent
+        this.latencies = [];
+        this.arrivals = [];
+        this.id = 0;
+        this.frames = 0;
+        this.bindControls();
+        this.connect();
+    }
+
+    connect() {
+        const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+        this.socket = new WebSocket(`${scheme}//${location.host}${location.pathname}live`);
+        this.socket.binaryType = "arraybuffer";
+        this.socket.onmessage = event => typeof event.data === "string" ? this.receive(JSON.parse(event.data)) : this.receiveFrame(event.data);
+        this.socket.onclose = () => this.report("The viewer has ended, or the connection was lost. Load the page again once it runs.");
+        document.onvisibilitychange = () => this.send("visible", { on: !document.hidden });
+    }
+
+    send(name, more = {}) {
+        if (this.socket.readyState !== WebSocket.OPEN)
+            return;
+        this.socket.send(JSON.stringify({ do: name, id: ++this.id, ...more }));
+        if (name !== "shown")
+            this.sent.set(this.id, performance.now());
+    }
+
+    receive(message) {
+        if (message.error)
+            this.report(message.error);
+        if (message.note)
+            this.report(message.note, "note");
+        if (message.pixel)
+            this.panel.showPixel(message.pixel);
+        if (message.state) {
+            this.you = message.you;
+            this.state = message.state;
+            this.showState();
+        }
+    }
+
+    async receiveFrame(data) {
+        const length = new DataView(data).getUint32(0, true);
+        const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
+        let at = 4 + length;
+        const blobs = header.sizes.map(size => new Blob([new Uint8Array(data, at, (at += size, size))], { type: "image/jpeg" }));
+        const images = await Promise.all(blobs.map(blob => createImageBitmap(blob)));
+        if (images.length)
+            this.stage.show(images);
+        this.frames += 1;
+        this.measure(header);
+        this.panel.showFrame(header);
+        this.send("shown");
+    }
+
+    measure(header) {
+        const now = performance.now(), seen = header.seen[this.you];
+        let first = null;
+        for (const [id, when] of this.sent) {
+            if (id > seen || seen === undefined)
+                break;
+            first ??= when;
+            this.sent.delete(id);
+        }
+        if (first !== null)
+            this.latencies = [...this.latencies, now - first].slice(-LATENCIES);
+        this.arrivals = [...this.arrivals, now].filter(when => when > now - 2000);
+        const rate = this.arrivals.length > 1 ? 1000 * (this.arrivals.length - 1) / (now - this.arrivals[0]) : 0;
+        const middle = this.latencies.toSorted((x, y) => x - y)[this.latencies.length >> 1];
+        this.latency = middle;
+        this.rate = rate;
+        $("status").textContent = `${rate.toFixed(1)} frames/s` + (middle ? `, input to picture ${middle.toFixed(0)} ms` : "") +
+            `, viewer ${header.view_milliseconds.toFixed(1)} ms a frame`;
+    }
+
+    report(text, kind = "") {
+        const line = Object.assign(document.createElement("div"), { textContent: text, className: kind, title: "click to close" });
+        line.onclick = () => line.remove();
+        $("messages").replaceChildren(...[...$("messages").children].slice(-2), line);
+        if (kind)
+            setTimeout(() => line.remove(), 4000);
+    }
+
+    bindControls() {
+        $("play").onclick = () => this.send("play", { on: !this.state.playing });
+        for (const name of ["step", "restart", "home"])
+            $(name).onclick = () => this.send(name);
+        $("view").onchange = event => this.send("view", { name: event.target.value });
+        $("exposure").oninput = event => this.send("exposure", { stops: Number(event.target.value) });
+        $("keep").onchange = event => this.send("keep", { on: event.target.checked });
+        $("fov").onchange = event => this.send("pose", { ...this.state.camera, yfov: Number(event.target.value) * Math.PI / 180 });
+        $("time").oninput = event => this.send("time", { seconds: Number(event.target.value) });
+        $("speed").onchange = event => this.send("speed", { factor: Number(event.target.value) });
+        $("copy").onclick = () => this.copy(this.state.call);
+        for (const side of ["a", "b"])
+            $(side).onchange = event => this.stage.set({ [side]: Number(event.target.value) });
+        for (const button of document.querySelectorAll("[data-mode]"))
+            button.onclick = () => this.stage.set({ mode: button.dataset.mode });
+    }
+
+    async copy(text) {
+        try {
+            await navigator.clipboard.writeText(text);
+            this.report(`copied: ${text}`, "note");
+        } catch {
+            this.report(text);  // where the browser gives no clipboard it can be selected
+        }
+    }
+
+    showState() {
+        const s = this.state, several = s.panes.length > 1;
+        this.stage.names = s.view === "difference" ? ["difference"] : s.panes.map(pane => pane.port ? `${pane.name}: ${pane.port}` : pane.name);
+        document.title = s.panes.map(pane => pane.name).join(" | ");
+        $("play").textContent = s.playing ? "pause" : "play";
+        for (const [side, chosen] of [["a", this.stage.look.a], ["b", this.stage.look.b]]) {
+            $(side).hidden = s.panes.length < 3;
+            $(side).replaceChildren(...s.panes.map((pane, i) => new Option(pane.name, i, false, i === chosen)));
+        }
+        for (const button of document.querySelectorAll("[data-mode]"))
+            button.parentElement.hidden = !several;
+        $("view").options[1].disabled = !several;
+        $("view").options[2].disabled = !s.reference;
+        const fill = (id, value) => { if (document.activeElement !== $(id)) $(id).value = value; };
+        $("view").value = s.view;
+        fill("exposure", s.exposure);
+        $("exposure").nextElementSibling.textContent = s.exposure.toFixed(2);
+        $("keep").checked = s.keep;
+        fill("fov", (s.camera.yfov * 180 / Math.PI).toFixed(1));
+        for (const label of document.querySelectorAll(".animation"))
+            label.hidden = s.duration === 0;
+        $("time").max = s.duration;
+        fill("time", s.time);
+        fill("speed", s.speed);
+        this.stage.set({});
+        this.panel.showState(s);
+    }
+}
+
+window.page = new Page();

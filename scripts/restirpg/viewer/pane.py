@@ -1,0 +1,128 @@
+"""One graph that is looked at: its renderer, the knobs that were turned, and the port that is shown."""
+
+import time
+from pathlib import Path
+
+import numpy as np
+import restirpg
+
+from . import graphs
+
+
+class Pane:
+    """A graph file, a restirpg.Graph or a description, and a Renderer of it.
+
+    options: further arguments of restirpg.Renderer. A new renderer takes the place of the old one only after it was
+    made: a graph or a kernel that is refused leaves all as it was.
+    """
+
+    def __init__(self, scene, source, size, options):
+        self._scene, self._source, self._size, self._options = scene, source, size, options
+        self.changed = {}  # "pass.knob": value, of the knobs that were turned
+        self.port = None  # shown in place of the picture
+        self.build()
+
+    @property
+    def file(self):
+        """The graph file, or None."""
+        return Path(self._source) if isinstance(self._source, (str, Path)) else None
+
+    def _describe(self):
+        if self.file:
+            return restirpg.load_graph(self.file).description
+        return self._source if isinstance(self._source, dict) else self._source.description()
+
+    def build(self, port=None):
+        """Read the graph and its shaders anew; knobs that were turned stay so where they are still there. Raises
+        restirpg.Error and changes nothing when something is refused."""
+        description = self._describe()
+        shown = graphs.with_output(description, port) if port else description
+        renderer = restirpg.Renderer(self._scene, shown, size=self._size, **self._options)
+        initial = renderer.knobs()
+        changed = {name: value for name, value in self.changed.items() if _value(initial, name) is not None}
+        for name, value in changed.items():
+            renderer.set(name, value)
+        if hasattr(self, "renderer"):
+            renderer.move_camera(**self.renderer.camera)
+            renderer.seed = self.renderer.seed
+        self.renderer, self.description, self.changed, self._initial = renderer, description, changed, initial
+        self.ports = graphs.image_ports(description)
+        self.frame_ports = graphs.frame_ports(description)
+        self.port = port if port in self.ports else None
+        self.forget()
+
+    def forget(self):
+        """Begin the viewer's own mean anew; the renderer's history stays."""
+        self._sum, self._count, self.milliseconds = None, 0, 0.0
+
+    @property
+    def name(self):
+        """The graph's name."""
+        return self.description["name"]
+
+    def panel(self):
+        """Knobs by pass, with declarations, values and the values that the graph gives."""
+        passes = graphs.panel(self.description, self.renderer.knobs())
+        for entry in passes:
+            for knob in entry["knobs"]:
+                knob["initial"] = self._initial[entry["name"]][knob["name"]]
+        return passes
+
+    def set(self, knob, value):
+        """Turn "pass.knob"; None: back to the graph's own value."""
+        initial = _value(self._initial, knob)
+        if value is None and initial is not None:
+            value = initial
+        self.renderer.set(knob, value)
+        self.changed[knob] = self.renderer.get(knob)
+        if self.changed[knob] == initial:
+            del self.changed[knob]
+
+    def show(self, port):
+        """Show a port "pass.output" in place of the picture, or (None) the picture. One that nobody reads is made by a
+        new renderer, where it is an output."""
+        if port is not None and port not in self.ports:
+            raise restirpg.Error(f"{self.name} has no image port '{port}'")
+        if port is not None and port not in self._readable():
+            self.build(port)
+        self.port = port
+
+    def _readable(self):
+        return self.renderer.memory().keys() & self.ports.keys()
+
+    def render(self, kept):
+        """One more frame. kept: history goes on over moves of the camera, and the mean is the viewer's own."""
+        start = time.perf_counter()
+        self.renderer.render(1)
+        self.milliseconds = 1000 * (time.perf_counter() - start)
+        if kept and self.frame_ports:
+            frame = sum(self.read(port) for port in self.frame_ports)
+            self._sum = frame if self._sum is None else self._sum + frame
+            self._count += 1
+
+    @property
+    def frames(self):
+        """Frames in the picture."""
+        return self._count or self.renderer.frame
+
+    def read(self, port):
+        """A port's values, float32 (H, W, C)."""
+        width, height = self.renderer.size
+        return self.renderer.read_port(port).view(np.float32).reshape(height, width, self.ports[port])
+
+    def picture(self):
+        """The graph's picture, float32 (H, W, C)."""
+        if self._count:
+            return self._sum / np.float32(self._count)
+        return self.renderer.output(self.renderer.output_names[0])
+
+    def pixel(self, x, y):
+        """{name: values} of the picture and of every image port that somebody reads, at a pixel."""
+        values = {"picture": self.picture()[y, x]}
+        values.update((port, self.read(port)[y, x]) for port in sorted(self._readable()))
+        return {name: [float(v) for v in value] for name, value in values.items()}
+
+
+def _value(knobs, name):
+    entry, _, knob = name.partition(".")
+    return knobs.get(entry, {}).get(knob)

@@ -1,0 +1,103 @@
+"""The one thread that owns a Session: it takes commands between two frames, and renders while somebody watches."""
+
+import queue
+import threading
+import traceback
+from concurrent.futures import Future
+
+import restirpg
+from restirpg.harness import UserError
+
+_IDLE = 0.25  # s between two looks for edited files while nothing is rendered
+
+
+def message_of(error):
+    """What a page shows of an exception."""
+    if isinstance(error, (UserError, restirpg.Error)):
+        return str(error)
+    return f"{type(error).__name__}: {error}"
+
+
+class RenderThread(threading.Thread):
+    """`publish` is called here with what is new: state=..., frame=... or error=...
+
+    watched: somebody looks, so frames are rendered. wanted: somebody can take a picture, so it is made.
+    """
+
+    def __init__(self, session, publish, watch=None):
+        super().__init__(name="restirpg viewer", daemon=True)
+        self.watched = self.wanted = False
+        self._session, self._publish, self._watch = session, publish, watch
+        self._commands = queue.SimpleQueue()
+        self._stopping = False
+        self._revision = -1
+
+    def submit(self, function, *arguments):
+        """Have function(*arguments) called between two frames. Returns a Future."""
+        future = Future()
+        self._commands.put((future, function, arguments))
+        return future
+
+    def set_audience(self, watched, wanted):
+        """See the class. Any thread may call it."""
+        woken = (watched and not self.watched) or (wanted and not self.wanted)
+        self.watched, self.wanted = watched, wanted
+        if woken:
+            self.submit(lambda: None)
+
+    def stop(self):
+        """End the thread after the frame at hand."""
+        self._stopping = True
+        self.submit(lambda: None)
+        self.join()
+
+    def run(self):
+        """Until stop()."""
+        busy = False
+        while not self._stopping:
+            self._take_commands(wait=0 if busy else _IDLE)
+            try:
+                busy = self._advance()
+            except Exception as error:  # shown; the session goes on
+                self._report(error)
+                busy = False
+
+    def _take_commands(self, wait):
+        """All that wait now; `wait`: seconds to wait for the first."""
+        try:
+            command = self._commands.get(timeout=wait) if wait else self._commands.get_nowait()
+            while True:
+                self._call(*command)
+                command = self._commands.get_nowait()
+        except queue.Empty:
+            pass
+
+    @staticmethod
+    def _call(future, function, arguments):
+        try:
+            future.set_result(function(*arguments))
+        except Exception as error:
+            future.set_exception(error)
+
+    def _advance(self):
+        """Render and show what there is to. Returns whether there may be more at once."""
+        session = self._session
+        if self._watch and self.watched and (files := self._watch.changed()):
+            self._publish(note=f"reading anew: {', '.join(files[:3])}{' ...' if len(files) > 3 else ''}")
+            session.apply({"do": "reload"})
+        rendered = self.watched and session.wants_frame()
+        if rendered:
+            session.render()
+        if self._revision != session.revision:
+            self._revision = session.revision
+            self._publish(state=session.state())
+        if self.wanted and session.stale:
+            self.wanted = False  # until somebody has shown it
+            self._publish(frame=session.frame())
+        return rendered
+
+    def _report(self, error):
+        if not isinstance(error, (UserError, restirpg.Error)):
+            traceback.print_exception(error)
+        self._publish(error=message_of(error))
+        self._publish(state=self._session.state())

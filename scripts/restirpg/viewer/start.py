@@ -1,0 +1,131 @@
+"""Start and stop a viewer: from Python by view(), from a shell by main()."""
+
+import argparse
+import asyncio
+import html
+import sys
+import threading
+from pathlib import Path
+
+from aiohttp import web
+
+import restirpg
+from restirpg.harness import UserError, program, render
+
+from .rendering import RenderThread
+from .server import Server
+from .session import Session
+from .watch import Watch
+
+MOST_GRAPHS = 4
+
+
+class Viewer:
+    """A running viewer. `url`: its address, which holds the token. A notebook shows it in place."""
+
+    def __init__(self, session, port=0, watch=None):
+        self.session = session
+        self._loop = asyncio.new_event_loop()
+        self._server = Server(session, self._loop)
+        self._rendering = self._server.thread = RenderThread(session, self._server.publish, watch)
+        self._runner = web.AppRunner(self._server.application(), access_log=None)
+        self._network = threading.Thread(target=self._loop.run_forever, name="restirpg viewer's network", daemon=True)
+        self._network.start()
+        try:
+            port = self._wait(self._serve(port))
+        except OSError as error:
+            self._end_loop()
+            raise UserError(f"port {port}: cannot listen: {error.strerror}; choose another with --port") from None
+        self.url = f"http://127.0.0.1:{port}/{self._server.token}/"
+        self._rendering.start()
+
+    def _wait(self, coroutine):
+        return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result()
+
+    async def _serve(self, port):
+        await self._runner.setup()
+        site = web.TCPSite(self._runner, "127.0.0.1", port)
+        await site.start()
+        return site._server.sockets[0].getsockname()[1]
+
+    def _end_loop(self):
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._network.join()
+        self._loop.close()
+
+    def close(self):
+        """Stop rendering and serving."""
+        if not self._loop.is_closed():
+            self._rendering.stop()
+            self._wait(self._runner.cleanup())
+            self._end_loop()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        self.close()
+
+    def _repr_html_(self):
+        return f'<iframe src="{html.escape(self.url)}" width="100%" height="760" style="border: 0"></iframe>'
+
+
+def view(graphs, scene, size=(640, 360), reference=None, port=0, **options):
+    """Look at a scene through one graph or several, live, in a browser on this machine. Returns a Viewer.
+
+    graphs: a graph file, a restirpg.Graph or a description, or a list of up to 4. scene: a file or what load_scene returns.
+    reference: an EXR file of the scene's own camera, to measure errors against. options: of restirpg.Renderer.
+    """
+    sources = list(graphs) if isinstance(graphs, (list, tuple)) else [graphs]
+    if not 1 <= len(sources) <= MOST_GRAPHS:
+        raise UserError(f"give 1 to {MOST_GRAPHS} graphs, not {len(sources)}")
+    if isinstance(scene, (str, Path)):
+        scene = restirpg.load_scene(scene)
+    image = None
+    if reference is not None:
+        image = render.read_exr(reference)
+        if image.shape[:2] != (size[1], size[0]):
+            raise UserError(f"{reference}: {image.shape[1]}x{image.shape[0]} pixels; the viewer shows {size[0]}x{size[1]}")
+    session = Session(scene, sources, size, image, **options)
+    return Viewer(session, port, Watch([pane.file for pane in session.panes if pane.file]))
+
+
+def _port(text):
+    if not (text.isdecimal() and int(text) < 65536):
+        raise argparse.ArgumentTypeError(f"'{text}' is no port: a number from 0 (any that is free) to 65535")
+    return int(text)
+
+
+def _parse(arguments):
+    parser = argparse.ArgumentParser(
+        description="Look at a scene through one graph, or several side by side, live in a browser. The page is served on the "
+        "loopback address alone; over ssh, forward the port that is printed: ssh -L PORT:127.0.0.1:PORT.")
+    parser.add_argument("graphs", metavar="GRAPH", nargs="+", help="graph files, up to 4")
+    parser.add_argument("--scene", required=True, help="glTF file")
+    parser.add_argument("--size", type=program.size, default=(640, 360), help="WIDTHxHEIGHT (640x360)")
+    parser.add_argument("--reference", help="EXR file of the scene's own camera, to measure errors against")
+    parser.add_argument("--port", type=_port, default=0, help="0: any that is free")
+    parser.add_argument("--device", help="number or part of the name, as `restirpg devices` lists them")
+    program.add_allow_outside(parser)
+    return parser.parse_args(arguments)
+
+
+def main(arguments):
+    """The command line. Returns the exit code."""
+    options = _parse(arguments)
+
+    def body(_):
+        render.find_package()
+        with render.refusals():
+            scene = restirpg.load_scene(options.scene, allow_outside=options.allow_outside)
+            viewer = view(options.graphs, scene, options.size, options.reference, options.port, device=options.device)
+        with viewer:
+            print(viewer.url, flush=True)
+            print("Open this address in a browser. Ctrl-C ends the viewer.", file=sys.stderr, flush=True)
+            try:
+                threading.Event().wait()
+            except KeyboardInterrupt:  # how a viewer is ended
+                print(file=sys.stderr)
+        return 0
+
+    return program.run("view.py", body)

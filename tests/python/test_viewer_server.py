@@ -1,0 +1,210 @@
+"""The viewer over the network: the token, pictures, commands, a slow tab, a closed one, and exceptions in rendering."""
+
+import asyncio
+import io
+import json
+import logging
+import random
+import struct
+import threading
+import time
+
+import pytest
+from renderer_scenes import GRAPH, restirpg, scene, scene_file  # noqa: F401
+
+aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: the viewer's server is not tested")
+Image = pytest.importorskip("PIL.Image", reason="Pillow is not installed: the viewer's server is not tested")
+
+SIZE = (16, 16)
+SECONDS = 60  # until a test gives up
+
+
+@pytest.fixture(scope="module")
+def viewer(scene):
+    """A running viewer that all tests use."""
+    with restirpg.view(GRAPH, scene, SIZE, validation=True) as running:
+        yield running
+
+
+class Tab:
+    """What a page does, without a browser."""
+
+    def __init__(self, socket):
+        self.socket, self.states, self.notes, self.frames = socket, [], [], 0
+
+    async def send(self, **message):
+        await self.socket.send_json(message)
+
+    async def receive(self):
+        """The next message: ("frame", header, JPEG) or ("text", dictionary)."""
+        message = await asyncio.wait_for(self.socket.receive(), SECONDS)
+        if message.type == aiohttp.WSMsgType.BINARY:
+            (length,) = struct.unpack("<I", message.data[:4])
+            self.frames += 1
+            return "frame", json.loads(message.data[4:4 + length]), message.data[4 + length:]
+        assert message.type == aiohttp.WSMsgType.TEXT, message
+        return "text", json.loads(message.data), b""
+
+    async def until(self, wanted, shows=True):
+        """The first message, or frame header, for which `wanted` holds; frames are shown on the way."""
+        deadline = time.monotonic() + SECONDS
+        while True:
+            assert time.monotonic() < deadline
+            kind, content, data = await self.receive()
+            if kind == "frame" and shows:
+                await self.send(do="shown")
+            if wanted(kind, content):
+                return content, data
+
+
+def with_tab(viewer, *bodies):
+    """Run body(tab) of each, at the same time, each on a socket of its own."""
+    async def one(session, body):
+        async with session.ws_connect(viewer.url + "live", max_msg_size=0) as socket:
+            return await body(Tab(socket))
+
+    async def all_of_them():
+        async with aiohttp.ClientSession() as session:
+            return await asyncio.gather(*(one(session, body) for body in bodies))
+
+    return asyncio.run(all_of_them())
+
+
+def fetch(url):
+    async def get():
+        async with aiohttp.ClientSession() as session, session.get(url) as answer:
+            return answer.status, answer.content_type, await answer.read()
+
+    return asyncio.run(get())
+
+
+def is_frame(kind, _):
+    return kind == "frame"
+
+
+def test_a_tab_gets_the_state_and_pictures_of_the_size(viewer):
+    async def body(tab):
+        state, _ = await tab.until(lambda kind, content: "state" in content)
+        header, data = await tab.until(lambda kind, content: kind == "frame" and content["sizes"])
+        return state, header, data
+
+    state, header, data = with_tab(viewer, body)[0]
+    assert state["state"]["size"] == list(SIZE) and state["state"]["panes"][0]["passes"]
+    assert header["sizes"] == [len(data)] and Image.open(io.BytesIO(data)).size == SIZE
+    assert set(header["panes"][0]["passes"]) == {"gbuffer", "paths", "accumulate"}
+
+
+def test_only_the_token_opens_anything_and_no_path_leaves_the_page(viewer):
+    base, token = viewer.url[:-1].rsplit("/", 1)
+    assert fetch(viewer.url)[0] == 200 and fetch(viewer.url + "viewer.js")[1] == "text/javascript"
+    for path in ("", "wrong/", f"{token}x/", "viewer.js", "wrong/live", f"wrong/{token}/", f"wrong/../{token[:-1]}/"):
+        assert fetch(f"{base}/{path}")[0] == 403, path
+    for path in ("../viewer.js", "..%2fserver.py", "server.py", "capture/..%2f..%2fetc%2fpasswd", "%2fetc%2fpasswd"):
+        assert fetch(viewer.url + path)[0] in (400, 403, 404), path
+    assert base.startswith("http://127.0.0.1:")
+
+
+def test_a_knob_and_a_move_reach_the_picture(viewer):
+    async def body(tab):
+        await tab.send(do="orbit", x=0.1, y=0.0, id=7)
+        await tab.send(do="set", pane=0, knob="paths.bounces", value=2, id=8)
+        header, _ = await tab.until(lambda kind, content: kind == "frame" and 8 in content["seen"].values())
+        await tab.send(do="reset", pane=0)
+        await tab.send(do="inspect", x=8, y=8)
+        pixel, _ = await tab.until(lambda kind, content: "pixel" in content)
+        return header, pixel
+
+    header, pixel = with_tab(viewer, body)[0]
+    assert header["panes"][0]["frames"] <= 2 and pixel["pixel"]["geometry"]["depth"] > 0
+
+
+def test_a_mistake_is_told_and_the_viewer_goes_on(viewer):
+    async def body(tab):
+        for message, words in (({"do": "set", "pane": 0, "knob": "paths.nothing", "value": 1}, "nothing"), ({"do": "x"}, "no command")):
+            await tab.send(**message)
+            error, _ = await tab.until(lambda kind, content: "error" in content)
+            assert words in error["error"]
+        for text in ("{", "[]", "nonsense"):
+            await tab.socket.send_str(text)
+            assert "not a message" in (await tab.until(lambda kind, content: "error" in content))[0]["error"]
+        await tab.until(is_frame)
+
+    with_tab(viewer, body)
+
+
+def test_a_tab_that_shows_nothing_is_sent_no_more_and_another_sees_on(viewer):
+    async def slow(tab):
+        await tab.until(is_frame, shows=False)
+        with pytest.raises(asyncio.TimeoutError):
+            while True:
+                kind, *_ = await asyncio.wait_for(tab.receive(), 3)
+                assert kind != "frame"
+
+    async def quick(tab):
+        first, _ = await tab.until(is_frame)
+        await tab.until(lambda kind, content: kind == "frame" and content["panes"][0]["frames"] > first["panes"][0]["frames"] + 5)
+
+    with_tab(viewer, slow, quick)
+
+
+def test_nothing_is_rendered_without_a_tab_that_is_seen(viewer):
+    async def hidden(tab):
+        await tab.until(is_frame)
+        await tab.send(do="visible", on=False)
+        await tab.send(do="inspect", x=1, y=1)
+        await tab.until(lambda kind, content: "pixel" in content)
+        frames = [viewer.session.panes[0].renderer.frame]
+        await asyncio.sleep(0.5)
+        return frames + [viewer.session.panes[0].renderer.frame]
+
+    before, after = with_tab(viewer, hidden)[0]
+    assert after - before <= 1
+    deadline = time.monotonic() + SECONDS
+    while viewer._rendering.watched and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not viewer._rendering.watched
+
+
+def test_an_exception_in_rendering_is_shown_and_the_viewer_lives(viewer, monkeypatch, capsys):
+    def broken(kept):
+        raise ZeroDivisionError("a fault in a test")
+
+    async def body(tab):
+        await tab.until(is_frame)
+        monkeypatch.setattr(viewer.session.panes[0], "render", broken)
+        await tab.send(do="restart")
+        error, _ = await tab.until(lambda kind, content: "error" in content)
+        monkeypatch.undo()
+        await tab.send(do="play", on=True)
+        await tab.send(do="restart", id=99)
+        await tab.until(lambda kind, content: kind == "frame" and 99 in content["seen"].values())
+        return error
+
+    assert with_tab(viewer, body)[0] == {"error": "ZeroDivisionError: a fault in a test"}
+
+
+def test_random_input_leaves_the_viewer_alive(viewer):
+    """A seeded monkey: messages that are right, wrong and absurd."""
+    dice = random.Random(5)
+    values = [0, 1, -1, 0.5, 1e30, "x", None, True, [], {}, -7, "paths.bounces", "gbuffer.depth", "image"]
+    keys = {"orbit": "xy", "look": "xy", "pan": "xy", "fly": "xyz", "dolly": ["amount"], "zoom": ["factor"], "focus": "xy",
+            "pose": ["position", "target", "up", "yfov"], "home": "", "play": ["on"], "step": "", "restart": "", "keep": ["on"],
+            "exposure": ["stops"], "view": ["name"], "set": ["pane", "knob", "value"], "reset": ["pane"], "seed": ["value"],
+            "time": ["seconds"], "speed": ["factor"], "inspect": "xy", "visible": ["on"], "shown": "", "nothing": "a"}
+
+    async def body(tab):
+        for _ in range(400):
+            name = dice.choice(list(keys))
+            await tab.send(do=name, id=1, **{key: dice.choice(values) for key in keys[name] if dice.random() < 0.95})
+        for message in ({"do": "visible", "on": True}, {"do": "shown"}, {"do": "home"}, {"do": "keep", "on": False}, {"do": "reset", "pane": 0},
+                        {"do": "exposure", "stops": 0}, {"do": "speed", "factor": 0}, {"do": "time", "seconds": 0}, {"do": "play", "on": True},
+                        {"do": "seed", "value": 0, "id": 12345}):
+            await tab.send(**message)
+        header, data = await tab.until(lambda kind, content: kind == "frame" and 12345 in content["seen"].values())
+        assert Image.open(io.BytesIO(data)).size == SIZE
+
+    threads = threading.active_count()
+    with_tab(viewer, body)
+    assert threading.active_count() <= threads + 1
+    assert viewer._rendering.is_alive() and viewer._rendering._commands.qsize() < 10
+    assert logging.getLogger("aiohttp.server").getEffectiveLevel() <= logging.ERROR

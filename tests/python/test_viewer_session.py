@@ -1,0 +1,195 @@
+"""The viewer's session without a network: what its commands do to the pictures, and what they refuse."""
+
+import numpy as np
+import pytest
+from renderer_scenes import GRAPH, make_renderer, restirpg, scene, scene_file  # noqa: F401
+
+from restirpg.harness import UserError
+from restirpg.viewer import capture, pictures
+from restirpg.viewer.session import Session
+
+SIZE = (16, 16)
+
+
+@pytest.fixture(scope="module")
+def reference(scene):
+    """Some frames of the path tracer, as a reference."""
+    renderer = make_renderer(scene, seed=77, size=SIZE)
+    renderer.render(8)
+    return renderer.output("image")
+
+
+@pytest.fixture(scope="module")
+def shared(scene, reference):
+    """A session of two graphs that all tests use."""
+    return Session(scene, [GRAPH, GRAPH], SIZE, reference, validation=True)
+
+
+@pytest.fixture
+def session(shared):
+    """The session, as it was at first."""
+    for pane in range(2):
+        shared.apply({"do": "reset", "pane": pane})
+        shared.apply({"do": "show", "pane": pane, "port": None})
+    for message in ({"do": "home"}, {"do": "keep", "on": False}, {"do": "play", "on": True}, {"do": "view", "name": "image"},
+                    {"do": "exposure", "stops": 0}, {"do": "seed", "value": 0}):
+        shared.apply(message)
+    shared.render()
+    return shared
+
+
+def images(session):
+    return [pane.picture().copy() for pane in session.panes]
+
+
+def test_graphs_in_step_have_the_same_camera_and_random_numbers(session):
+    session.apply({"do": "orbit", "x": 0.2, "y": 0.1})
+    session.render()
+    first, second = images(session)
+    assert first.tobytes() == second.tobytes()
+    session.apply({"do": "seed", "value": 5})
+    session.render()
+    assert images(session)[0].tobytes() == images(session)[1].tobytes() != first.tobytes()
+
+
+def test_a_move_begins_the_mean_anew_and_rest_goes_on_with_it(session, scene):
+    session.render()
+    assert [pane.frames for pane in session.panes] == [2, 2]
+    session.apply({"do": "pan", "x": 0.1, "y": 0.0})
+    session.render()
+    assert [pane.frames for pane in session.panes] == [1, 1]
+    session.render()
+    alone = make_renderer(scene, size=SIZE)
+    alone.move_camera(**session.camera)
+    alone.render(2)
+    np.testing.assert_array_equal(images(session)[0], alone.output("image"))
+
+
+def test_kept_history_averages_the_frames_since_the_last_move(session):
+    session.apply({"do": "keep", "on": True})
+    session.render()
+    session.apply({"do": "pan", "x": 0.1, "y": 0.0})
+    frames = []
+    for _ in range(3):
+        session.render()
+        ports = session.panes[0].frame_ports
+        frames.append(sum(session.panes[0].read(port) for port in ports))
+    assert session.panes[0].renderer.frame == 4 and session.panes[0].frames == 3
+    np.testing.assert_allclose(images(session)[0], np.mean(frames, 0), rtol=1e-5, atol=1e-6)
+
+
+def test_a_knob_changes_its_own_graph_alone_and_can_be_reset(session):
+    before = images(session)
+    session.apply({"do": "set", "pane": 1, "knob": "paths.bounces", "value": 0})
+    session.render()
+    session.apply({"do": "restart"})
+    session.render()
+    after = images(session)
+    assert after[0].tobytes() == before[0].tobytes() and after[1].mean() < 0.99 * after[0].mean()
+    state = session.state()["panes"][1]
+    knob = next(knob for entry in state["passes"] if entry["name"] == "paths" for knob in entry["knobs"] if knob["name"] == "bounces")
+    assert (knob["value"], knob["type"], knob["minimum"]) == (0, "uint", 0) and knob["meaning"] and knob["initial"] != 0
+    assert state["arguments"] == "--set paths.bounces=0"
+    session.apply({"do": "reset", "pane": 1})
+    session.apply({"do": "restart"})
+    session.render()
+    assert images(session)[1].tobytes() == before[1].tobytes() and session.state()["panes"][1]["arguments"] == ""
+
+
+def test_pause_holds_and_a_step_is_one_frame(session):
+    session.apply({"do": "play", "on": False})
+    assert not session.wants_frame()
+    session.apply({"do": "step"})
+    assert session.wants_frame()
+    session.render()
+    assert not session.wants_frame() and session.panes[0].frames == 2
+    session.apply({"do": "dolly", "amount": 0.1})
+    assert session.wants_frame()  # a paused picture follows the camera
+
+
+def test_errors_are_those_against_the_reference_while_the_camera_is_at_home(session, reference):
+    expected = restirpg.measure_errors(images(session)[0], reference)["mape"]
+    assert session.errors() == [pytest.approx(expected)] * 2
+    relative = pictures.relative_difference(images(session)[0], reference)
+    assert relative.mean() == pytest.approx(expected, rel=1e-4)
+    session.apply({"do": "orbit", "x": 0.1, "y": 0.0})
+    session.render()
+    assert session.errors() == [None, None]
+
+
+def test_the_difference_of_equal_pictures_is_black(session):
+    session.apply({"do": "view", "name": "difference"})
+    (black,) = session._shown()
+    assert not black.any()
+    session.apply({"do": "set", "pane": 1, "knob": "paths.bounces", "value": 0})
+    session.render()
+    assert session._shown()[0].any()
+
+
+def test_any_image_port_is_shown_also_one_that_nobody_reads(session):
+    session.apply({"do": "show", "pane": 0, "port": "gbuffer.normal"})
+    session.render()
+    normal = session.panes[0].read("gbuffer.normal")
+    np.testing.assert_allclose(np.linalg.norm(normal, axis=-1).max(), 1, rtol=1e-3)
+    assert session.frame().images[0] != session.frame().images[1]
+    with pytest.raises(restirpg.Error, match="no image port 'gbuffer.surface'"):
+        session.apply({"do": "show", "pane": 0, "port": "gbuffer.surface"})
+
+
+def test_a_pixel_tells_what_it_sees(session):
+    session.apply({"do": "restart"})  # which leaves no picture: one is rendered
+    pixel = session.inspect(8, 8)
+    assert pixel["geometry"]["depth"] > 1
+    np.testing.assert_allclose(pixel["panes"][0]["picture"], images(session)[0][8, 8])
+    session.apply({"do": "focus", "x": 8, "y": 8})
+    distance = np.linalg.norm(np.subtract(session.camera["target"], session.camera["position"]))
+    assert distance == pytest.approx(pixel["geometry"]["depth"], rel=1e-5)
+
+
+@pytest.mark.parametrize("message, words", [
+    ({"do": "vanish"}, "no command 'vanish'"), ({"do": "orbit", "x": 1}, "missing a required argument: 'y'"),
+    ({"do": "orbit", "x": float("nan"), "y": 0}, "no number"), ({"do": "pan", "x": "1", "y": 0}, "no number"),
+    ({"do": "set", "pane": 2, "knob": "a.b", "value": 1}, "no graph 2"), ({"do": "view", "name": "../x"}, "no view"),
+    ({"do": "set", "pane": 0, "knob": "paths.bounces", "value": "many"}, "bounces"),
+    ({"do": "pose", "position": [0, 0, 0], "target": [0, 1, 0], "up": [0, 1, 0], "yfov": 1}, "span no view"),
+    ({"do": "__init__"}, "no command"), ({}, "no command None")])
+def test_what_cannot_be_done_is_refused_and_changes_nothing(session, message, words):
+    before, revision = session.camera, session.revision
+    with pytest.raises((UserError, restirpg.Error), match=words):
+        session.apply(message)
+    assert session.camera == before and session.revision == revision
+    session.render()
+
+
+def test_captures(session, tmp_path):
+    session.apply({"do": "set", "pane": 0, "knob": "paths.bounces", "value": 3})
+    session.render()
+    exr = tmp_path / "capture.exr"
+    exr.write_bytes(capture.make(session, "outputs.exr", "0")[0])
+    np.testing.assert_array_equal(restirpg.read_exr(exr), images(session)[0])
+    assert '"bounces":3' in restirpg.read_exr_attributes(exr)["restirpg.knobs"].replace(" ", "")
+    graph = tmp_path / "graph.json"
+    graph.write_bytes(capture.make(session, "graph.json", "0")[0])
+    assert make_renderer(session.scene, restirpg.load_graph(graph), size=SIZE).get("paths.bounces") == 3
+    assert capture.make(session, "picture.png", "1")[0].startswith(b"\x89PNG")
+    for name, pane in (("secret.txt", "0"), ("picture.png", "2"), ("picture.png", "x")):
+        with pytest.raises(UserError):
+            capture.make(session, name, pane)
+
+
+def test_a_reload_takes_edits_and_keeps_the_old_graph_when_they_are_wrong(scene, tmp_path):
+    file = tmp_path / "own.py"
+    file.write_text(GRAPH.read_text().replace("graph = ", "graph = ", 1))
+    session = Session(scene, [file], SIZE, validation=True)
+    session.apply({"do": "orbit", "x": 0.1, "y": 0.0})
+    session.render()
+    old = session.panes[0].renderer
+    file.write_text("from restirpg import Graph\ngraph = Graph('broken')\ngraph.add('x', 'NoSuchPass')\n")
+    with pytest.raises(UserError, match=r"own.py:3: .*NoSuchPass"):
+        session.apply({"do": "reload"})
+    assert session.panes[0].renderer is old
+    file.write_text(GRAPH.read_text() + "\ngraph.name = 'Edited'\n")
+    session.apply({"do": "reload"})
+    assert session.panes[0].renderer is not old and session.panes[0].name == "Edited"
+    session.render()
+    assert session.panes[0].frames == 1
