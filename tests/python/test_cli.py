@@ -150,6 +150,8 @@ def test_the_progress_bar_is_drawn_on_terminals_only(scene, tmp_path):
         (["--size", "24x16x"], "--size 24x16x: write WIDTHxHEIGHT in pixels, as in 640x360"),
         (["--size", "-1x16"], "--size -1x16: write WIDTHxHEIGHT in pixels, as in 640x360"),
         (["--size", "0x16"], "an image of 0x16 pixels cannot be rendered; each side is 1 to 16384"),
+        (["--window", "1,2,3"], "restirpg: --window: At least 4 required but received 3; see restirpg --help"),
+        (["--window", "20,0,8,8"], "a window of 8x8 pixels at 20,0 does not lie in the picture of 24x16"),
         (["--frames", "0"], "restirpg: --frames: Value 0 not in range 1 to 100000000; see restirpg --help"),
         (
             ["--frames", "many"],
