@@ -107,7 +107,7 @@ def test_errors_against_the_picture_itself_are_zero(scene, tmp_path):
 
 def test_a_full_disk_is_one_line_and_keeps_the_old_picture(scene, tmp_path):
     if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", tmp_path], check=False).returncode:
-        pytest.skip("a full disk needs a small tmpfs, which only root can mount")
+        pytest.skip("a full disk needs a small tmpfs, which only root can mount: none is written to")
     try:
         (tmp_path / "a.png").write_text("old")
         command = [*render_command(scene)[:-2], "--png", "a.png"]
@@ -395,7 +395,7 @@ def test_the_tables_of_a_readme_are_those_the_pass_declares(readme):
 
 
 def test_a_python_program_answers_a_shell_that_asks_for_completions():
-    pytest.importorskip("argcomplete")
+    pytest.importorskip("argcomplete", reason="argcomplete is not installed: no completion of a Python program is tried")
     line = f"{ROOT}/scripts/compare.py --den"
     environment = {**os.environ, "_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n", "COMP_LINE": line, "COMP_POINT": str(len(line))}
     run = subprocess.run(["bash", "-c", f"/usr/bin/python3 {ROOT}/scripts/compare.py 8>&1 >/dev/null"], env=environment,
