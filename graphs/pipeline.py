@@ -7,7 +7,7 @@ from restirpg import Graph, prev
 
 
 def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, cells="world", splat={},
-             fit={}, reuse={}, show="resampled"):
+             fit={}, reuse={}, trees=1, guided_bounces=64, show="resampled"):
     """The graph.
 
     temporal, rounds: reuse over frames, and rounds of reuse over pixels, for direct and indirect light alike.
@@ -17,6 +17,8 @@ def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, c
     cells: where the guide is kept: "world", in the hash grid; "screen", a lobe a pixel, which learns from "raw" alone.
     splat, fit: knobs of the guide's passes; in screen space there is only a fit.
     reuse: knobs of the resampling of paths.
+    trees: path trees per pixel, of which one path is resampled.
+    guided_bounces: bounces from the primary hit on that the guide draws, and learns from.
     show: "resampled", or "candidates": the indirect light of the initial paths alone, guided if there is a guide.
     """
     if cells == "screen" and train != "raw":
@@ -30,12 +32,12 @@ def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, c
     if cells == "screen":
         guide = g.add("guide", "GuidingScreen", surface=gbuffer.surface, samples=prev("paths.samples"),
                       history=prev("guide.statistics"), **before, **fit).guide
-    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=bounces, guide=guide)
+    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=bounces, trees=trees, guided_bounces=guided_bounces, guide=guide)
 
     def resample(name, learned, **knobs):
         vertices = {"candidate_vertices": paths.vertices, "history_vertices": prev(f"{name}.vertices")}
         return g.add(name, "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates,
-                     history=prev(f"{name}.reservoirs"), bounces=bounces, **knobs, **before, **(vertices if learned else {}))
+                     history=prev(f"{name}.reservoirs"), **knobs, **before, **(vertices if learned else {}))
 
     resampled = resample("reuse", train == "selected", temporal=temporal, rounds=rounds, **reuse)
     if train and cells == "world":

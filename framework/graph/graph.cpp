@@ -140,6 +140,7 @@ void Graph::connectPorts()
         auto& input = *passes_[edge.target].interface.inputs()[edge.input].target;
         input.wired = true;
         input.module = passes_[edge.source].interface.outputs()[edge.output].type.module;
+        input.pixelBytes = [this, edge] { return passes_[edge.source].interface.outputs()[edge.output].type.bytes(1, 1); };
     }
     for (const auto& resource : resources_)
         passes_[resource.pass].interface.outputs()[resource.output].target->wired = true;
@@ -180,6 +181,7 @@ GraphPass Graph::copyOf(const GraphPass& pass) const
     for (size_t i = 0; i < pass.interface.inputs().size(); ++i) {
         copy.interface.inputs()[i].target->wired = pass.interface.inputs()[i].target->wired;
         copy.interface.inputs()[i].target->module = pass.interface.inputs()[i].target->module;
+        copy.interface.inputs()[i].target->pixelBytes = pass.interface.inputs()[i].target->pixelBytes;
     }
     for (size_t i = 0; i < pass.interface.outputs().size(); ++i)
         copy.interface.outputs()[i].target->wired = pass.interface.outputs()[i].target->wired;

@@ -62,6 +62,8 @@ public:
     /// From a description (readGraphFile) and the plugins at hand. Throws Error with every mistake found, each in a
     /// line located in the graph file and, where there is more to say, an indented line of help.
     Graph(nlohmann::json description, const Plugins& plugins);
+    Graph(const Graph&) = delete;  // its passes ask it for the sizes of what is wired to them
+    Graph& operator=(const Graph&) = delete;
 
     const std::string& name() const { return name_; }
     std::vector<GraphPass>& passes() { return passes_; }

@@ -33,11 +33,26 @@ struct PortType {
     /// Does an input of this type take what `output` is?
     bool takes(const PortType& output) const { return output.name == name || output.family == name; }
 
-    /// "16 B/pixel" or "1024 B".
+    /// "16 B/pixel", "1024 B", or what follows another port's size, as long as that is not known.
     std::string sizeText() const
     {
+        if (bytes(1, 1) == 0)
+            return "as wired";
         return fixedBytes ? std::to_string(fixedBytes()) + " B" : std::to_string(bytes(1, 1)) + " B/pixel";
     }
+};
+
+/// The member variable behind a port. The executor points it at this frame's buffer before Pass::record.
+template <typename Resource>
+struct In {
+    bool wired = false;  ///< set with the graph, before Pass::check
+    const Resource* resource = nullptr;  ///< of this frame
+    std::string module;  ///< PortType::module of the output wired to it; set before Pass::build
+    /// Of the output wired to it, bytes per pixel of the image as its maker's knobs are now; set with the graph, before Pass::check.
+    std::function<uint64_t()> pixelBytes = [] { return uint64_t(0); };
+    bool empty = false;  ///< a delayed input without history (first frame, after a resize or a cut): its buffer is zeroed
+    explicit operator bool() const { return wired; }
+    const Resource* operator->() const { return resource; }
 };
 
 /// Float image of 1 to 4 channels, row by row from the top, scalar layout.
@@ -66,6 +81,18 @@ PortType severalPerPixel(const std::string& name, std::function<uint64_t()> coun
     return {name, 0, 0, {}, [count = std::move(count)] { return sizeof(T) * count(); }};
 }
 
+/// T of any number a pixel, which the reader takes from In::pixelBytes.
+inline PortType anyPerPixel(const std::string& name)
+{
+    return {name};
+}
+
+/// As much a pixel as the output has that is wired to `input`.
+inline PortType asMuchAs(const std::string& name, const In<Buffer>& input)
+{
+    return {name, 0, 0, {}, [&input] { return input.pixelBytes(); }};
+}
+
 /// A resource whose size does not follow the image.
 inline PortType fixedSize(const std::string& name, std::function<uint64_t()> bytes)
 {
@@ -86,17 +113,6 @@ inline PortType anyGuide()
 {
     return {"Guide", 0, 0, {}};
 }
-
-/// The member variable behind a port. The executor points it at this frame's buffer before Pass::record.
-template <typename Resource>
-struct In {
-    bool wired = false;  ///< set with the graph, before Pass::check
-    const Resource* resource = nullptr;  ///< of this frame
-    std::string module;  ///< PortType::module of the output wired to it; set before Pass::build
-    bool empty = false;  ///< a delayed input without history (first frame, after a resize or a cut): its buffer is zeroed
-    explicit operator bool() const { return wired; }
-    const Resource* operator->() const { return resource; }
-};
 
 template <typename Resource>
 struct Out {

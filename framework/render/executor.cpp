@@ -70,7 +70,18 @@ void Executor::setKnob(GraphPass& pass, const std::string& knob, const nlohmann:
     GraphPass fresh = graph_->copyOf(pass);
     set(fresh);
     replace(pass, std::move(fresh));
+    followSizes();
     cut();
+}
+
+/// Give the outputs that follow the size of an input their new size. Passes learn such sizes as they record, so none is built anew.
+void Executor::followSizes()
+{
+    for (auto& resource : resources_) {
+        const auto& pass = graph_->passes()[resource.plan.pass];
+        if (resource.copies[0].bytes() != pass.interface.outputs()[resource.plan.output].type.bytes(width_, height_))
+            resource.copies = allocate(resource.plan, pass);
+    }
 }
 
 /// Build `fresh` with outputs of its own, then put both in place of `pass` and its outputs.

@@ -54,6 +54,7 @@ private:
     Copies allocate(const PlannedResource& plan, const GraphPass& pass);
     void build(GraphPass& pass);
     void replace(GraphPass& pass, GraphPass fresh);
+    void followSizes();
     void connect();
     void record(VkCommandBuffer commands, const BindingSet& bindings);
     void readTimes();

@@ -3,6 +3,7 @@
 #define RESTIRPG_NEIGHBOURS_GLSL
 
 #include "camera.glsl"
+#include "random.glsl"
 #include "sampling.glsl"
 #include "surface.glsl"
 
@@ -71,12 +72,11 @@ bool find_previous_pixel(uvec2 at, vec2 motion, vec2 u, out uint pixel)
     return true;
 }
 
-/// Radius in pixels of this image of a disk of neighbours whose radius is given in pixels of an image of 1080 lines; never so small that no
-/// neighbours are left [shaders/README: Sizes relative to the image].
-float disk_radius(float radius_at_1080)
+/// Radius in pixels of this image of a disk of neighbours: its share of the height, but never below `least`, so that small images have
+/// neighbours left [shaders/README: Sizes relative to the image].
+float disk_radius(float radius_at_1080, float least)
 {
-    const float LEAST_RADIUS = 3.0;
-    return max(radius_at_1080 * float(frame.c.picture.y) / 1080.0, LEAST_RADIUS);
+    return max(radius_at_1080 * float(frame.c.picture.y) / 1080.0, least);
 }
 
 /// Index of a pixel drawn uniformly from the disk about this one, radius in pixels; false: outside of the image, or this one.
@@ -89,6 +89,46 @@ bool find_neighbour_pixel(uvec2 at, float radius, vec2 u, out uint pixel)
         return false;
     pixel = uint(found.y) * frame.c.size.x + uint(found.x);
     return true;
+}
+
+/// How a pixel finds its neighbours for spatial reuse.
+struct NeighbourRules {
+    float radius;  ///< of the disk, pixels of this image
+    uint pool;  ///< pixels of the disk that one neighbour is chosen from; 1: the one that is drawn
+    float normal_threshold;
+    float depth_threshold;
+};
+
+/// A pixel of the disk about this one, if its surface is similar to this one's.
+bool draw_neighbour(Address surfaces, uvec2 at, Appearance centre, NeighbourRules rules, vec2 u, out uint pixel, out Appearance there)
+{
+    if (!find_neighbour_pixel(at, rules.radius, u, pixel) || primary_hit(surfaces, pixel).instance == INVALID_INDEX)
+        return false;
+    there = load_appearance(surfaces, pixel);
+    return is_similar(centre, there, rules.normal_threshold, rules.depth_threshold);
+}
+
+/// Chooses one of rules.pool pixels of the disk in proportion to their compatibility with this one [shaders/README: Compatible neighbours].
+/// `address`: of the first of rules.pool random addresses.
+bool choose_compatible(Address surfaces, uvec2 at, Appearance centre, NeighbourRules rules, RandomKey key, uint bounce, uint address,
+                       out uint pixel)
+{
+    vec3 position = seen_position(at, centre);
+    float sum = 0.0;
+    pixel = 0u;
+    for (uint k = 0u; k < rules.pool; ++k) {
+        vec4 u = random4(key, bounce, address + k);
+        uint candidate;
+        Appearance there;
+        if (!draw_neighbour(surfaces, at, centre, rules, u.xy, candidate, there))
+            continue;
+        uvec2 place = uvec2(candidate % frame.c.size.x, candidate / frame.c.size.x);
+        float score = compatibility(centre, position, there, seen_position(place, there));
+        sum += score;
+        if (u.z * sum < score)
+            pixel = candidate;
+    }
+    return sum > 0.0;
 }
 
 #endif

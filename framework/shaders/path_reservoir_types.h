@@ -10,11 +10,11 @@ RESTIRPG_SHARED
 struct PathReservoir {
     vec3 f;  ///< light the path sends to the camera, per product of solid angles (counting measure: delta lobes, punctual lights)
     float ucw;  ///< unbiased contribution weight W; 0: carries no light
-    float confidence;  ///< M: how many candidate trees stand behind it
+    float confidence;  ///< M: how many pixels' candidates stand behind it
     uint shape;  ///< D | k << 8 | bounce u is a delta: 1 << (15 + u)
     uint labels;  ///< LABEL_* of bounce u in bits 2u - 2 and 2u - 1
     uint pixel;  ///< key of the candidate's random numbers, with `frame`: replays sharp bounces
-    uint frame;
+    uint frame;  ///< with the tree's number, see tree_key
     uvec4 prefix;  ///< packed directions of the smooth bounces 1 to 4, world space
     float sharpPdf;  ///< product of the densities of the replayed rough sharp bounces
     uvec2 anchor;  ///< 0 < k < D: instance and triangle of x_k; else LightPoint's instance and index

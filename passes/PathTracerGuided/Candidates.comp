@@ -8,7 +8,7 @@ layout(push_constant, scalar) uniform Push { PathTracerParameters params; };
 
 #include "vertex.glsl"
 
-// Streaming RIS along one path tree: every vertex offers the path that ends there by a light sample, and the one that ends where
+// Streaming RIS along the pixel's path trees: every vertex offers the path that ends there by a light sample, and the one that ends where
 // scattering meets an emitter. A path is its vertices and labels, whichever technique made it; both techniques' densities stand in
 // one balance heuristic [shaders/README: One balance heuristic over both endings].
 
@@ -226,10 +226,10 @@ void extend_path(inout Tree tree, uint u, Bounce s)
     }
 }
 
-void trace_tree(Hit hit, uvec2 at)
+void trace_tree(Hit hit, uvec2 at, uint number)
 {
-    RandomKey key = random_key(picture_pixel(at), frame.c.frame, frame.c.seed);
-    RandomKey choices = random_key(picture_pixel(at), frame.c.frame, frame.c.seed ^ RANDOM_STREAM_RESAMPLING);
+    RandomKey key = tree_key(random_key(picture_pixel(at), frame.c.frame, frame.c.seed), number);
+    RandomKey choices = RandomKey(key.pixel, key.frame, key.seed ^ RANDOM_STREAM_RESAMPLING);
     Tree tree = Tree(empty_path_reservoir(1.0), 0u, vec3(1.0), 1.0, hit, 0.0, 0.0);
     tree.path.pixel = key.pixel;
     tree.path.frame = key.frame;
@@ -258,7 +258,7 @@ void trace_tree(Hit hit, uvec2 at)
             return;
         }
         surface = load_surface(hit, false);
-        Vertex next = make_vertex(surface, -s.wi, at, u + 1u, u <= params.bounces);
+        Vertex next = make_vertex(surface, -s.wi, at, u + 1u, u < params.guidedBounces);
         vec3 absorption = transmittance_between(v.point, s.wi, t, next.point);
         vec3 emission = triangle_emission(hit.instance, hit.triangle, hit.barycentrics, next.point.front);
         note_bounce(u, bounce, s.value / s.density, absorption, s.density, t);
@@ -292,12 +292,16 @@ void main()
     uint pixel = at.y * frame.c.size.x + at.x;
     kept = empty_path_reservoir(1.0);
     weight_sum = 0.0;
-    begin_training(pixel);
+    begin_training();
     Hit hit = primary_hit(params.surface, pixel);
-    if (hit.instance != INVALID_INDEX)
-        trace_tree(hit, at);
+    [[dont_unroll]] for (uint i = 0u; i < params.trees; ++i) {
+        begin_tree(pixel, i);
+        if (hit.instance != INVALID_INDEX)
+            trace_tree(hit, at, i);
+        end_tree();
+    }
     kept.confidence = 1.0;
-    kept.ucw = weight_sum > 0.0 ? weight_sum / luminance(kept.f) : 0.0;
+    kept.ucw = weight_sum > 0.0 ? weight_sum / (float(params.trees) * luminance(kept.f)) : 0.0;
     if (params.candidates != 0ul)
         PathReservoirArray(params.candidates).at[pixel] = kept;
     end_training();

@@ -64,7 +64,7 @@ vec3 trace_path(Hit hit, uvec2 pixel, RandomKey key)
         if (found) {
             surface = load_surface(hit, false);
             ShadingPoint from = v.point;
-            v = make_vertex(surface, -wi, pixel, u + 1u, u <= params.bounces);
+            v = make_vertex(surface, -wi, pixel, u + 1u, u < params.guidedBounces);
             throughput *= transmittance_between(from, wi, t, v.point);
             emission = triangle_emission(hit.instance, hit.triangle, hit.barycentrics, v.point.front);
         } else {
@@ -92,6 +92,7 @@ void main()
     Hit hit = primary_hit(params.surface, pixel);
     vec3 radiance = vec3(0.0);
     if (hit.instance != INVALID_INDEX)
-        radiance = trace_path(hit, at, random_key(picture_pixel(at), frame.c.frame, frame.c.seed));
-    Vec3Image(params.radiance).at[pixel] = radiance;
+        [[dont_unroll]] for (uint i = 0u; i < params.trees; ++i)
+            radiance += trace_path(hit, at, tree_key(random_key(picture_pixel(at), frame.c.frame, frame.c.seed), i));
+    Vec3Image(params.radiance).at[pixel] = radiance / float(params.trees);
 }

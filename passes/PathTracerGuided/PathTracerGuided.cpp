@@ -11,6 +11,8 @@ namespace {
 
 /// The labels of a candidate's bounces have to fit its reservoir.
 constexpr uint32_t MAX_CANDIDATE_BOUNCES = PATH_MAX_EDGES - 2;
+/// The bits that the keys of random numbers have for a tree, see tree_key (random.glsl).
+constexpr uint32_t MAX_TREES = 16;
 /// In the order of TREE_FAULT_*.
 const std::vector<std::string> FAULTS = {"none", "label_probability", "light_measure", "found_lights"};
 
@@ -23,18 +25,22 @@ public:
         io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
         io.ofThisFrame();
         io.optionalInput("guide", guide_, anyGuide(), "directions to sample, with the GLSL module of the pass that makes them; unwired: a plain path tracer");
-        io.output("radiance", radiance_, image(3), "one path's estimate of the light scattered to the camera, W/sr/m^2, without emission of the primary hit");
+        io.output("radiance", radiance_, image(3), "estimate of the light scattered to the camera, by one path per tree, W/sr/m^2, without emission of the primary hit");
         io.output("candidates", candidates_, perPixel<PathReservoir>("PathReservoir"),
-                  "one path a pixel, resampled from all that end on the way of a path tree; without direct light but what delta lobes find");
-        const auto stride = [this] { return bounces_ + 1; };
-        io.output("vertices", vertices_, severalPerPixel<PathVertex>("PathVertices", stride), "the bounces of the candidate path, bounces + 1 a pixel");
-        io.output("samples", samples_, severalPerPixel<GuidingSample>("GuidingSamples", stride),
-                  "all bounces of the candidate's path tree with the light that came back along each, bounces + 1 a pixel");
+                  "one path per pixel, resampled from all that end on the way of its path trees; without direct light but what delta lobes find");
+        io.output("vertices", vertices_, severalPerPixel<PathVertex>("PathVertices", [this] { return guidedBounces(); }),
+                  "the first guided_bounces bounces of the candidate path, bounces + 1 at most");
+        io.output("samples", samples_, severalPerPixel<GuidingSample>("GuidingSamples", [this] { return trees_ * guidedBounces(); }),
+                  "the first guided_bounces bounces of the path trees, bounces + 1 at most, with the light that came back along each");
         io.knob("bounces", bounces_, 0, 64, "bounce cap n: light reaches the camera over at most n + 2 path edges, as Zeng et al. 2025 count");
         io.structural();
         io.knob("nee", nee_, "connect every vertex to a light (next event estimation), combined with scattering by the balance heuristic");
         io.knob("direct", direct_, "include direct light at the primary hit; off where ReSTIRDI computes it (light through delta lobes is always included)");
         io.knob("alpha", alpha_, 0, 1, "probability of sampling a smooth bounce by the BSDF instead of the guide, where there is guidance (Zeng et al. 2025: 0.5)");
+        io.knob("guided_bounces", guidedBounces_, 1, 64, "bounces from the primary hit on that the guide draws, and is trained on; later ones follow the BSDF");
+        io.structural();
+        io.knob("trees", trees_, 1, MAX_TREES, "path trees per pixel and frame, each a path of its own from the primary hit on");
+        io.structural();
         io.choice("fault", fault_, FAULTS, "for tests only: build this mistake into the candidates");
         io.structural();
     }
@@ -47,6 +53,7 @@ public:
 
     void build(Device& device) override
     {
+        device_ = &device;
         const bool guided = !guide_.module.empty();
         const Defines defines = {{"GUIDED", guided ? "1" : "0"}, {"VERTICES", vertices_ ? "1" : "0"}, {"SAMPLES", samples_ ? "1" : "0"}};
         const Includes includes = {{"guide_module.glsl", guide_.module}};
@@ -67,11 +74,14 @@ public:
                                               addressOf(candidates_),
                                               addressOf(guide_),
                                               addressOf(vertices_),
+                                              spareVertices(),
                                               addressOf(samples_),
                                               bounces_,
                                               nee_,
                                               direct_,
-                                              alpha_};
+                                              alpha_,
+                                              trees_,
+                                              guidedBounces()};
         if (radiance_)
             frame.dispatchPixels(kernel_, parameters);
         if (wantsTree())
@@ -82,17 +92,33 @@ private:
     /// Does anybody read what a resampled path tree gives?
     bool wantsTree() const { return candidates_ || vertices_ || samples_; }
 
+    uint32_t guidedBounces() const { return std::min(guidedBounces_, bounces_ + 1); }
+
+    /// While one tree is traced, the bounces of the path that is kept from those before it lie in the one array or the other.
+    Address spareVertices()
+    {
+        if (!vertices_ || trees_ == 1)
+            return 0;
+        if (spareVertices_.bytes() != vertices_->bytes())
+            spareVertices_ = device_->createBuffer(vertices_->bytes(), "bounces of another path tree");
+        return spareVertices_.address();
+    }
+
     In<Buffer> surface_, guide_;
     Out<Buffer> radiance_, candidates_, vertices_, samples_;
     uint32_t bounces_ = 4;
     bool nee_ = true;
     bool direct_ = false;
     float alpha_ = 0.5f;
+    uint32_t guidedBounces_ = 64;
+    uint32_t trees_ = 1;
     std::string fault_ = "none";
+    Device* device_ = nullptr;
+    Buffer spareVertices_;
     Kernel kernel_, treeKernel_;
 };
 
 }  // namespace restirpg
 
 using restirpg::PathTracerGuided;
-RESTIRPG_PASS(PathTracerGuided, "Traces one path a pixel: next event estimation and BSDF sampling, weighted by the balance heuristic")
+RESTIRPG_PASS(PathTracerGuided, "Traces paths from each pixel: next event estimation and BSDF sampling, weighted by the balance heuristic")

@@ -1,4 +1,4 @@
-// What guides are trained on: the bounces of the kept path, and all bounces of the tree with the light that came back along each. The
+// What guides are trained on: the bounces of the kept path, and all bounces of the trees with the light that came back along each. The
 // kept path's bounces are written as the tree goes: an array of them, indexed at run time, is slow on CPU devices.
 // Compiled away where nobody reads the ports (VERTICES, SAMPLES).
 #ifndef RESTIRPG_PATH_TRACER_TRAINING_GLSL
@@ -6,12 +6,16 @@
 
 #include "path_vertex.glsl"
 
-/// Bounces of the tree so far, and where the pixel's first one stands in the ports' arrays.
+/// Bounces of the tree so far, and where its first one stands in the arrays of vertices and of samples.
 uint tree_bounces;
-uint first_bounce;
+uint first_vertex;
+uint first_sample;
 
 #if VERTICES
-/// The last bounce of the kept path; those before it are the tree's.
+/// The array that the tree's bounces are written to, and the one that holds those of the kept path: the port's, or the spare one.
+Address tree_vertices;
+Address kept_vertices;
+/// The last bounce of the kept path; those before it are its tree's.
 PathVertex kept_last;
 #endif
 
@@ -28,16 +32,30 @@ struct TreeEdge {
 TreeEdge tree_edges[PATH_MAX_EDGES];
 #endif
 
-void begin_training(uint pixel)
+void begin_training()
+{
+#if VERTICES
+    kept_vertices = params.vertices;
+    tree_vertices = params.vertices;
+#endif
+}
+
+void begin_tree(uint pixel, uint number)
 {
     tree_bounces = 0u;
-    first_bounce = pixel * (params.bounces + 1u);
+    first_vertex = pixel * params.guidedBounces;
+    first_sample = (pixel * params.trees + number) * params.guidedBounces;
+#if VERTICES
+    if (number > 0u && tree_vertices == kept_vertices)
+        tree_vertices = tree_vertices == params.vertices ? params.spareVertices : params.vertices;
+#endif
 }
 
 /// The kept path ends with this bounce.
 void keep_last_vertex(PathVertex last, bool light_sampled)
 {
 #if VERTICES
+    kept_vertices = tree_vertices;
     kept_last = last;
     set_final(kept_last, light_sampled);
 #endif
@@ -48,7 +66,8 @@ void note_bounce(uint u, PathVertex v, vec3 scatter, vec3 absorption, float dens
 {
     tree_bounces = u;
 #if VERTICES
-    PathVertexArray(params.vertices).at[first_bounce + u - 1u] = v;
+    if (u <= params.guidedBounces)
+        PathVertexArray(tree_vertices).at[first_vertex + u - 1u] = v;
 #endif
 #if SAMPLES
     tree_edges[u - 1u] = TreeEdge(v, scatter, absorption, vec3(0.0), density, distance);
@@ -68,14 +87,19 @@ void note_light(uint u, vec3 radiance)
 }
 
 #if VERTICES
-/// After the kept path's bounces, which are the tree's but for the last, nothing.
+/// The kept path's bounces, which are its tree's but for the last; after them nothing.
 void end_vertices()
 {
-    uint count = kept.ucw > 0.0 ? path_edges(kept) - 1u : 0u;
-    if (count > 0u)
-        PathVertexArray(params.vertices).at[first_bounce + count - 1u] = kept_last;
-    for (uint i = count; i <= params.bounces; ++i)
-        PathVertexArray(params.vertices).at[first_bounce + i] = no_path_vertex();
+    uint bounces = kept.ucw > 0.0 ? path_edges(kept) - 1u : 0u;
+    uint count = min(bounces, params.guidedBounces);
+    if (kept_vertices != params.vertices) {
+        for (uint i = 0u; i < min(count, bounces - 1u); ++i)
+            PathVertexArray(params.vertices).at[first_vertex + i] = PathVertexArray(kept_vertices).at[first_vertex + i];
+    }
+    if (bounces > 0u && bounces <= params.guidedBounces)
+        PathVertexArray(params.vertices).at[first_vertex + bounces - 1u] = kept_last;
+    for (uint i = count; i < params.guidedBounces; ++i)
+        PathVertexArray(params.vertices).at[first_vertex + i] = no_path_vertex();
 }
 #endif
 
@@ -83,22 +107,26 @@ void end_vertices()
 /// Every bounce of the tree, whether it found light or not. A delta has no density: its vertex is none.
 void write_samples()
 {
-    for (uint i = 0u; i <= params.bounces; ++i) {
+    for (uint i = 0u; i < params.guidedBounces; ++i) {
         GuidingSample s = GuidingSample(no_path_vertex(), 0.0, 0.0);
         if (i < tree_bounces)
             s = GuidingSample(tree_edges[i].vertex, luminance(tree_edges[i].incident) / tree_edges[i].density, tree_edges[i].distance);
-        GuidingSampleArray(params.samples).at[first_bounce + i] = s;
+        GuidingSampleArray(params.samples).at[first_sample + i] = s;
     }
 }
 #endif
+
+void end_tree()
+{
+#if SAMPLES
+    write_samples();
+#endif
+}
 
 void end_training()
 {
 #if VERTICES
     end_vertices();
-#endif
-#if SAMPLES
-    write_samples();
 #endif
 }
 

@@ -15,8 +15,8 @@ struct Vertex {
     Guide guide;
 };
 
-/// `scatters`: whether the path may go on from here; else it needs no guide.
-Vertex make_vertex(Surface surface, vec3 wo, uvec2 pixel, uint bounce, bool scatters)
+/// `guidable`: whether the bounce here is one that a guide may draw.
+Vertex make_vertex(Surface surface, vec3 wo, uvec2 pixel, uint bounce, bool guidable)
 {
     Vertex v;
     v.point = shade_surface(surface, wo);
@@ -25,7 +25,7 @@ Vertex make_vertex(Surface surface, vec3 wo, uvec2 pixel, uint bounce, bool scat
 #if GUIDED
     uint lobes = label_lobes(v.point.bsdf, LABEL_SMOOTH);
     v.opaque = (lobes & LOBE_TRANSMIT) == 0u;
-    v.guided = scatters && params.guide != 0ul && lobes != 0u &&
+    v.guided = guidable && params.guide != 0ul && lobes != 0u &&
                guide_lookup(params.guide, GuideQuery(surface.position, v.point.normal, wo, surface.material, pixel, bounce), v.guide);
     v.alpha = v.guided ? guide_alpha(v.guide, params.alpha) : 1.0;
 #endif

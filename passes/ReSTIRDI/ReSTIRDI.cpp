@@ -42,8 +42,10 @@ public:
         io.knob("cap", cap_, 1, 1000, "largest confidence of the history, in sets of candidates");
         io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
         io.knob("neighbours", neighbours_, 1, MAX_NEIGHBOURS, "pixels drawn in one round");
-        io.knob("radius", radius_, 1, 1000,
-                "of the disk of neighbours, in pixels of an image of 1080 lines; never below 3 pixels of this one");
+        io.knob("pool", pool_, 1, MAX_POOL,
+                "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one that is drawn, as published");
+        io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
+        io.knob("least_radius", leastRadius_, 1, 1000, "least radius of the disk, in pixels of the rendered image");
         io.choice("mis", mis_, {"pairwise", "balance"},
                   "MIS weights of spatial reuse with n neighbours: pairwise takes 2 n shadow rays, balance n (n + 1)");
         io.knob("feedback", feedback_,
@@ -100,6 +102,8 @@ private:
         parameters.pairwise = mis_ == "pairwise";
         parameters.cap = float(cap_);
         parameters.radius = radius_;
+        parameters.leastRadius = leastRadius_;
+        parameters.pool = pool_;
         parameters.normalThreshold = normalThreshold_;
         parameters.depthThreshold = depthThreshold_;
         return parameters;
@@ -133,7 +137,9 @@ private:
     uint32_t cap_ = 20;
     uint32_t rounds_ = 1;
     uint32_t neighbours_ = 5;
+    uint32_t pool_ = 1;
     float radius_ = 30;
+    float leastRadius_ = 3;
     bool feedback_ = true;
     std::string mis_ = "pairwise";
     float normalThreshold_ = 0.5f;

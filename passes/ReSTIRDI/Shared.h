@@ -7,6 +7,7 @@ RESTIRPG_SHARED
 
 /// Neighbours that one pixel can merge in one round: the arrays of merge.glsl have this length.
 RESTIRPG_CONST MAX_NEIGHBOURS = 16u;
+RESTIRPG_CONST MAX_POOL = 32u;
 
 // Values of RESTIRPG_FAULT, in the order of the knob's choices.
 RESTIRPG_CONST FAULT_NONE = 0u;
@@ -36,6 +37,8 @@ struct ReSTIRDIParameters {
     float radius;  ///< of the disk of neighbours, see disk_radius
     float normalThreshold;  ///< least cosine between normals of merged pixels
     float depthThreshold;  ///< most relative difference of their distances from the camera
+    float leastRadius;  ///< of the disk, pixels of this image
+    uint pool;  ///< pixels that a neighbour is chosen from; 1: each neighbour is drawn uniformly
 };
 
 RESTIRPG_SHARED_END

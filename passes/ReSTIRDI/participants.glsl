@@ -6,6 +6,12 @@
 #include "merge.glsl"
 #include "neighbours.glsl"
 
+/// Where the numbers of a round begin that choose from pools: MAX_POOL addresses a neighbour.
+uint pool_round(uint round)
+{
+    return RANDOM_POOLS + round * (MAX_NEIGHBOURS * MAX_POOL / RANDOM_DIMENSIONS);
+}
+
 /// Add the pixel that showed this surface in the frame before, when there is one.
 void add_previous(ReSTIRDIParameters params, RandomKey key, uvec2 at, Hit hit, vec2 motion)
 {
@@ -20,17 +26,18 @@ void add_previous(ReSTIRDIParameters params, RandomKey key, uvec2 at, Hit hit, v
     add_neighbour(pixel, min(merge.reservoirs.at[pixel].confidence, params.cap));
 }
 
-/// Add up to params.neighbours pixels, uniformly from the disk about this one.
+/// Add up to params.neighbours pixels of the disk about this one.
 void add_around(ReSTIRDIParameters params, RandomKey key, uvec2 at)
 {
     Appearance centre = load_appearance(merge.surfaces, at.y * frame.c.size.x + at.x);
-    float radius = disk_radius(params.radius);
+    NeighbourRules rules = NeighbourRules(disk_radius(params.radius, params.leastRadius), params.pool, params.normalThreshold, params.depthThreshold);
     for (uint i = 0u; i < params.neighbours; ++i) {
         uint pixel;
-        if (!find_neighbour_pixel(at, radius, random2(key, RANDOM_PARTICIPANTS + params.round, i), pixel))
-            continue;
-        if (primary_hit(merge.surfaces, pixel).instance != INVALID_INDEX &&
-            is_similar(centre, load_appearance(merge.surfaces, pixel), params.normalThreshold, params.depthThreshold))
+        Appearance there;
+        bool found = params.pool > 1u
+                         ? choose_compatible(merge.surfaces, at, centre, rules, key, pool_round(params.round), i * MAX_POOL, pixel)
+                         : draw_neighbour(merge.surfaces, at, centre, rules, random2(key, RANDOM_PARTICIPANTS + params.round, i), pixel, there);
+        if (found)
             add_neighbour(pixel, merge.reservoirs.at[pixel].confidence);
     }
 }

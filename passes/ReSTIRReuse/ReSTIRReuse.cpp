@@ -32,25 +32,25 @@ public:
         io.ofFrameBefore();
         io.optionalInput("history", history_, reservoir, "the output reservoirs, one frame ago: prev(\"reuse.reservoirs\")");
         io.ofFrameBefore();
-        const PortType vertices = severalPerPixel<PathVertex>("PathVertices", [this] { return bounces_ + 1; });
-        io.optionalInput("candidate_vertices", candidateVertices_, vertices, "the bounces of the candidates; needed by the output vertices");
+        io.optionalInput("candidate_vertices", candidateVertices_, anyPerPixel("PathVertices"),
+                         "the bounces of the candidates; needed by the output vertices");
         io.ofThisFrame();
-        io.optionalInput("history_vertices", historyVertices_, vertices,
+        io.optionalInput("history_vertices", historyVertices_, anyPerPixel("PathVertices"),
                          "the output vertices, one frame ago: prev(\"reuse.vertices\"); needed by the output vertices under temporal reuse");
         io.ofFrameBefore();
         io.together({"motion", "previous_surface", "history"});
         io.output("radiance", radiance_, image(3), "light of the chosen path, W/sr/m^2");
         io.output("reservoirs", reservoirs_, reservoir, "the path that each pixel keeps at the end of the frame");
-        io.output("vertices", vertices_, vertices, "the bounces of that path as it stands in this pixel, bounces + 1 a pixel");
-        io.knob("bounces", bounces_, 0, 64, "bounce cap of the candidates: the vertices' count a pixel follows it");
-        io.structural();
+        io.output("vertices", vertices_, asMuchAs("PathVertices", candidateVertices_),
+                  "the bounces of that path as it stands in this pixel, as many as candidate_vertices has");
         io.knob("temporal", temporal_, "merge with what the same surface kept in the frame before");
         io.knob("cap", cap_, 1, 1000, "largest confidence of the history, in multiples of the candidate's own (Lin et al. 2022: 20)");
         io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
         io.knob("neighbours", neighbours_, 1, MAX_REUSE_NEIGHBOURS, "pixels drawn in one round");
         io.knob("pool", pool_, 1, MAX_REUSE_POOL,
                 "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one that is drawn, as published");
-        io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines; never below 3 pixels of this one");
+        io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
+        io.knob("least_radius", leastRadius_, 1, 1000, "least radius of the disk, in pixels of the rendered image");
         io.knob("normal_threshold", normalThreshold_, -1, 1, "smallest cosine between the shading normals of pixels that are merged");
         io.knob("depth_threshold", depthThreshold_, 0, 1000, "largest relative difference of their distances from the camera");
         io.choice("fault", fault_, FAULTS, "for tests only: build this mistake in, the picture is wrong");
@@ -61,6 +61,9 @@ public:
     {
         if (vertices_ && (!candidateVertices_ || (history_ && !historyVertices_)))
             fail("the output 'vertices' needs candidate_vertices and, with history, history_vertices; wire them");
+        if (vertices_ && historyVertices_ && historyVertices_.pixelBytes() != candidateVertices_.pixelBytes())
+            fail("history_vertices has {} B per pixel, candidate_vertices {}; wire this pass's own vertices of the frame before",
+                 historyVertices_.pixelBytes(), candidateVertices_.pixelBytes());
     }
 
     void build(Device& device) override
@@ -99,7 +102,7 @@ public:
             frame.dispatchPixels(verticesKernel_,
                                  ReuseVerticesParameters{parameters.frame, parameters.surface, parameters.source, parameters.originSource,
                                                          candidateVertices_->address(), addressOf(historyVertices_), vertices_->address(),
-                                                         bounces_ + 1});
+                                                         uint32_t(candidateVertices_.pixelBytes() / sizeof(PathVertex))});
     }
 
 private:
@@ -115,6 +118,7 @@ private:
         p.radiance = addressOf(radiance_);
         p.cap = cap_;
         p.radius = radius_;
+        p.leastRadius = leastRadius_;
         p.normalThreshold = normalThreshold_;
         p.depthThreshold = depthThreshold_;
         p.neighbours = neighbours_;
@@ -147,13 +151,13 @@ private:
 
     In<Buffer> surface_, candidates_, motion_, previousSurface_, history_, candidateVertices_, historyVertices_;
     Out<Buffer> radiance_, reservoirs_, vertices_;
-    uint32_t bounces_ = 4;
     bool temporal_ = true;
     float cap_ = 20;
     uint32_t rounds_ = 1;
     uint32_t neighbours_ = 3;
     uint32_t pool_ = 1;
     float radius_ = 20;
+    float leastRadius_ = 3;
     float normalThreshold_ = 0.5f;
     float depthThreshold_ = 0.1f;
     std::string fault_ = "none";

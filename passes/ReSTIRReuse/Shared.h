@@ -23,7 +23,7 @@ struct ReuseParameters {
     uint neighbours;
     uint pool;  ///< pixels that a neighbour is chosen from; 1: each neighbour is drawn uniformly
     uint round;
-    uint unused;
+    float leastRadius;  ///< of that disk, pixels of this image
 };
 
 struct ReuseVerticesParameters {

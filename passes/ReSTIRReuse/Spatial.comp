@@ -7,44 +7,15 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { ReuseParameters params; };
 
-/// A pixel of the disk about this one, if it looks like it.
-bool draw_neighbour(uvec2 at, Appearance centre, vec2 u, out uint pixel, out Appearance there)
-{
-    if (!find_neighbour_pixel(at, disk_radius(params.radius), u, pixel) || primary_hit(params.surface, pixel).instance == INVALID_INDEX)
-        return false;
-    there = load_appearance(params.surface, pixel);
-    return is_similar(centre, there, params.normalThreshold, params.depthThreshold);
-}
-
-/// One of a pool of pixels, in proportion to their compatibility with this one: by the G-buffer and random numbers alone.
-bool choose_compatible(uvec2 at, Appearance centre, uint i, out uint pixel)
-{
-    vec3 position = seen_position(at, centre);
-    float sum = 0.0;
-    for (uint k = 0u; k < params.pool; ++k) {
-        vec4 u = random4(reuse_key(at), pool_round(params.round), i * MAX_REUSE_POOL + k);
-        uint candidate;
-        Appearance there;
-        if (!draw_neighbour(at, centre, u.xy, candidate, there))
-            continue;
-        uvec2 place = uvec2(candidate % frame.c.size.x, candidate / frame.c.size.x);
-        float score = compatibility(centre, position, there, seen_position(place, there));
-        sum += score;
-        if (u.z * sum < score)
-            pixel = candidate;
-    }
-    return sum > 0.0;
-}
-
 /// Neighbour i of the pixel, if there is one. Called again where it is needed, for an array of neighbours, indexed at run time, is slow on
 /// CPU devices.
 bool find_neighbour(uvec2 at, Appearance centre, uint i, out uint pixel)
 {
-    pixel = 0u;
+    NeighbourRules rules = NeighbourRules(disk_radius(params.radius, params.leastRadius), params.pool, params.normalThreshold, params.depthThreshold);
     if (params.pool > 1u)
-        return choose_compatible(at, centre, i, pixel);
+        return choose_compatible(params.surface, at, centre, rules, reuse_key(at), pool_round(params.round), i * MAX_REUSE_POOL, pixel);
     Appearance there;
-    return draw_neighbour(at, centre, random2(reuse_key(at), spatial_round(params.round), 2u * i), pixel, there);
+    return draw_neighbour(params.surface, at, centre, rules, random2(reuse_key(at), spatial_round(params.round), 2u * i), pixel, there);
 }
 
 /// Confidence of all neighbours; `count`: how many there are.

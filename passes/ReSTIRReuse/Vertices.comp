@@ -15,9 +15,12 @@ vec3 direction_to_anchor(PathReservoir r, vec3 from)
     return normalize(load_surface(anchored_hit(r), false).position - from);
 }
 
-/// Bounce u at `slot`; what is known of its last edge stays as it was.
-void write_bounce(uint slot, uint label, uint material, ShadingPoint p, vec3 wi, vec3 value)
+/// Bounce u of the pixel whose bounces begin at `first`, if it is kept; what is known of its last edge stays as it was.
+void write_bounce(uint first, uint u, uint label, uint material, ShadingPoint p, vec3 wi, vec3 value)
 {
+    if (u > params.stride)
+        return;
+    uint slot = first + u - 1u;
     PathVertexArray vertices = PathVertexArray(params.vertices);
     uint flags = vertices.at[slot].surface & (VERTEX_FINAL | VERTEX_LIGHT_SAMPLED);
     PathVertex v = record_bounce(p, material, label, wi, value);
@@ -31,11 +34,11 @@ void write_prefix(PathReservoir r, Hit hit, uint first)
     uint k = reconnection_index(r);
     PartialPath path = begin_path(load_domain(hit, false));
     uint material = load_surface(hit, false).material;
-    for (uint u = 1u; u <= replayed_bounces(r); ++u) {
+    for (uint u = 1u; u <= min(replayed_bounces(r), params.stride); ++u) {
         path.f = vec3(1.0);
         if (!replay_bounce(r, u, path))
             return;
-        write_bounce(first + u - 1u, path_label(r.labels, u), material, path.point, path.wi, path.f);
+        write_bounce(first, u, path_label(r.labels, u), material, path.point, path.wi, path.f);
         float t;
         if (u + 1u == path_edges(r) || !trace_bounce(path, t))
             return;
@@ -47,7 +50,7 @@ void write_prefix(PathReservoir r, Hit hit, uint first)
     uint label = path_label(r.labels, k - 1u);
     vec3 wi = direction_to_anchor(r, p.position);
     vec3 local = to_local(p.local_frame, wi);
-    write_bounce(first + k - 2u, label, material, p, wi, bsdf_eval(p.bsdf, p.wo, local, label_lobes(p.bsdf, label)) * abs(local.z));
+    write_bounce(first, k - 1u, label, material, p, wi, bsdf_eval(p.bsdf, p.wo, local, label_lobes(p.bsdf, label)) * abs(local.z));
 }
 
 void main()

@@ -99,14 +99,15 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(GuidingScreenParameters, frame, surface, previousSurface, motion, samples, history, statistics, guide,
            direction, peak, stride, kind, product, neighbours, smoothingFloor, prior, regularisation,
            normalThreshold, depthThreshold),
-    LAYOUT(PathTracerParameters, frame, surface, radiance, candidates, guide, vertices, samples, bounces, nextEventEstimation, direct,
-           alpha),
+    LAYOUT(PathTracerParameters, frame, surface, radiance, candidates, guide, vertices, spareVertices, samples, bounces,
+           nextEventEstimation, direct, alpha, trees, guidedBounces),
     LAYOUT(PathReservoir, f, ucw, confidence, shape, labels, pixel, frame, prefix, sharpPdf, anchor, place, direction,
            geometry, suffix),
     LAYOUT(PathVertex, position, direction, surface),
     LAYOUT(GuidingSample, vertex, weight, distance),
     LAYOUT(ReuseParameters, frame, surface, previousSurface, motion, source, history, reservoirs, radiance,
-           originSource, origins, cap, radius, normalThreshold, depthThreshold, neighbours, pool, round, unused),
+           originSource, origins, cap, radius, normalThreshold, depthThreshold, neighbours, pool, round,
+           leastRadius),
     LAYOUT(ReuseVerticesParameters, frame, surface, source, origins, candidates, history, vertices, stride),
     LAYOUT(GuidingGrid, camera, scale, origin, smallest),
     LAYOUT(GuidingHeader, grid, capacity, options, cells, collisions, failed, samples, fitted, guiding),
@@ -124,7 +125,8 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(LightPoint, instance, index, place),
     LAYOUT(LightReservoir, point, ucw, confidence, target),
     LAYOUT(ReSTIRDIParameters, frame, surface, previousSurface, motion, history, source, reservoirs, radiance,
-           candidates, bsdfCandidates, round, neighbours, pairwise, cap, radius, normalThreshold, depthThreshold),
+           candidates, bsdfCandidates, round, neighbours, pairwise, cap, radius, normalThreshold, depthThreshold,
+           leastRadius, pool),
 };
 
 /// A kernel that reads an array of each struct through a device address.

@@ -24,8 +24,9 @@ import numpy as np
 from renderer_scenes import ROOT, restirpg
 
 from restirpg.harness.cache import Cache
+from restirpg.harness.render import native_file
 
-PROGRAM = Path(restirpg.__file__).parents[2] / "bin" / "restirpg"
+PROGRAM = native_file().parents[2] / "bin" / "restirpg"
 VARIANCE_RUNS = 24
 LARGEST_MEMORY = 2 << 30  # bytes, of a hostile file
 LONGEST = 600  # s: what takes longer has hung; kernels are compiled within it where no cache has them

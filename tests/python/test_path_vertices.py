@@ -23,16 +23,17 @@ def box(scene_file):  # noqa: F811
     return load_triangles(scene_file)
 
 
-@pytest.fixture(scope="module")
-def frames(scene):  # noqa: F811
+@pytest.fixture(scope="module", params=[1, 3], ids=["one tree", "three trees"])
+def frames(scene, request):  # noqa: F811
     """[(camera, {port: vertices (pixels, bounces), positions (pixels, bounces, 3)}, reservoirs)] of a camera
-    that moves."""
+    that moves, with so many path trees per pixel."""
     graph = restirpg.load_graph(ROOT / "graphs" / "restir_pg.py").description
     graph["outputs"] += [
         {"name": f"{p}_{o}", "pass": p, "output": o}
         for p, o in (("paths", "vertices"), ("reuse", "vertices"), ("reuse", "reservoirs"))
     ]
     renderer = make_renderer(scene, graph, seed=11)
+    renderer.set("paths.trees", request.param)
     result = []
     for frame in range(FRAMES):
         renderer.move_camera(position=(0.03 * frame, 1, 4.35), target=(0.03 * frame, 1, 0))
@@ -145,3 +146,20 @@ def test_directions_of_another_pixel_are_found(frames):
     edge = (second - first)[here]
     w = oracle.unpack_direction(vertices["reuse.vertices"]["direction"][:, 0][here])
     assert ((edge * w).sum(-1) / np.linalg.norm(edge, axis=-1)).min() < 1 - 1e-5
+
+
+def test_guided_bounces_are_the_first_ones_of_all(scene):  # noqa: F811
+    """With alpha = 1 the guide draws nothing, so that paths do not depend on what it learns. Sizes follow the knob in every pass."""
+    graph = restirpg.load_graph(ROOT / "graphs" / "restir_pg.py").description
+    graph["outputs"] += [{"name": f"{p}_vertices", "pass": p, "output": "vertices"} for p in ("paths", "reuse")]
+    renderer = make_renderer(scene, graph, seed=12)
+    renderer.set("paths.alpha", 1.0)
+    kept = {}
+    for bounces in (64, 2):
+        renderer.set("paths.guided_bounces", bounces)
+        renderer.render(3)
+        kept[bounces] = {port: renderer.read_port(port).view(oracle.VERTEX).reshape(32 * 32, -1) for port in PORTS}
+    for port in PORTS:
+        assert kept[64][port].shape[1] == 9 and kept[2][port].shape[1] == 2
+        assert valid(kept[64][port])[:, 2:].any()
+        assert np.array_equal(kept[64][port][:, :2], kept[2][port])

@@ -5,12 +5,11 @@ Null hypothesis and false-alarm rate of the rendered tests: see scripts/restirpg
 
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from direct_light import direct_graph, make_reference, write_every_light, write_open_floor
-from renderer_scenes import ROOT, SIZE, make_renderer, restirpg, scene, scene_file  # noqa: F401
+from renderer_scenes import ROOT, SIZE, make_renderer, own_plugins, restirpg, scene, scene_file  # noqa: F401
 
 from restirpg.harness.statistics import LEVEL
 from restirpg.harness.unbiased import compare, independent_runs
@@ -147,19 +146,13 @@ def weight_sums(every_light, fault="none", pairwise=True):
     return worst
 
 
-@pytest.fixture
-def probe_path(monkeypatch):
-    """The folder of the tests' own plugins, beside the python package of the build tree."""
-    monkeypatch.setenv("RESTIRPG_PLUGIN_PATH", str(Path(restirpg.__file__).parents[2] / "tests" / "passes"))
-
-
 @pytest.mark.parametrize("pairwise", [True, False])
-def test_the_weights_of_every_point_add_up_to_one(probe_path, every_light, pairwise):
+def test_the_weights_of_every_point_add_up_to_one(own_plugins, every_light, pairwise):
     assert weight_sums(every_light, pairwise=pairwise).max() < PARTITION_TOLERANCE
 
 
 @pytest.mark.parametrize("fault", ["visibility", "cap", "previous_camera"])
-def test_a_mistake_breaks_the_weights_sum(probe_path, every_light, fault):
+def test_a_mistake_breaks_the_weights_sum(own_plugins, every_light, fault):
     assert weight_sums(every_light, fault).max() > 100 * PARTITION_TOLERANCE
 
 

@@ -33,11 +33,11 @@ def path_tracer():
     return g
 
 
-def restir(accumulate=True, **knobs):
+def restir(accumulate=True, trees=1, **knobs):
     """Indirect light by ReSTIR PT: the mean over frames, or the last frame."""
     g = restirpg.Graph("Indirect light, resampled")
     gbuffer = g.add("gbuffer", "GBuffer")
-    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface)
+    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, trees=trees)
     reuse = g.add("reuse", "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates, motion=gbuffer.motion,
                   previous_surface=restirpg.prev("gbuffer.surface"), history=restirpg.prev("reuse.reservoirs"), **knobs)
     image = g.add("accumulate", "Accumulate", indirect=reuse.radiance, history=restirpg.prev("accumulate.sums"))
@@ -78,11 +78,34 @@ def test_candidates_alone_have_the_path_tracers_mean(scene, reference):
     assert abs(z_of(means_after(scene, restir(temporal=False, rounds=0), 100, 200, 8), reference)) < 4
 
 
-@pytest.mark.parametrize("knobs", [{"temporal": False, "rounds": 1}, {"temporal": True, "rounds": 0}, {}, {"pool": 8, "radius": 400.0}],
-                         ids=["spatial", "temporal", "both", "compatible neighbours"])
+@pytest.mark.parametrize("knobs", [{"temporal": False, "rounds": 1}, {"temporal": True, "rounds": 0}, {}, {"pool": 8, "radius": 400.0}, {"trees": 2}],
+                         ids=["spatial", "temporal", "both", "compatible neighbours", "two trees"])
 def test_reuse_keeps_the_mean(scene, reference, knobs):
     """Frame 4 of each run is one sample, for frames of one run are correlated."""
     assert abs(z_of(means_after(scene, restir(False, **knobs), 4, 300, 24), reference)) < 4
+
+
+@pytest.mark.parametrize("port", ["paths.radiance", "reuse.radiance"])
+def test_several_trees_are_the_mean_of_as_many_runs(scene, port):
+    """Without reuse the luminance of n trees is the mean of n independent ones, path traced or resampled: the mean stays, each pixel's
+    variance falls to 1 / n. Trees that shared their numbers would leave it; a sum in place of the mean would multiply both."""
+    trees, frames = 4, 128
+    statistics = []
+    for n in (1, trees):
+        graph = restir(trees=n, temporal=False, rounds=0).description()
+        graph["outputs"].append({"name": "port", "pass": port.split(".")[0], "output": "radiance"})
+        renderer = make_renderer(scene, graph, seed=500 + n)
+        renderer.set_everywhere("bounces", BOUNCES)
+        images = []
+        for _ in range(frames):
+            renderer.render(1)
+            images.append(renderer.output("port").reshape(-1, 3) @ LUMINANCE)
+        images = np.array(images, float)
+        statistics.append((images.mean(), np.sqrt(images.var(0, ddof=1).mean() / images.size), images.var(0, ddof=1).mean()))
+    (mean_1, error_1, variance_1), (mean_n, error_n, variance_n) = statistics
+    print(f"{port}: mean {mean_1:.4f} and {mean_n:.4f}, variance ratio {variance_1 / variance_n:.3f}")
+    assert abs(mean_1 - mean_n) < 4 * np.hypot(error_1, error_n)
+    assert 0.85 * trees < variance_1 / variance_n < 1.15 * trees
 
 
 def test_leaving_out_empty_history_is_found(scene, reference):
