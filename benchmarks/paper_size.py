@@ -34,6 +34,7 @@ def parse(arguments):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="*", metavar="SCENE[@WxH]", help=f"scene files; pixels ({SIZE})")
     parser.add_argument("--out", default="out/paper_size", help="folder of runs and reports (%(default)s)")
+    parser.add_argument("--device", metavar="NAME", help="what renders the methods (the best device)")
     parser.add_argument("--collect", metavar="FOLDER", help="write the table of what is finished there")
     parser.add_argument("--results", default="benchmarks/results/paper_size", help="where --collect writes (%(default)s)")
     return parser.parse_known_args(arguments)
@@ -45,7 +46,8 @@ def record(options, further):
     for text in options.scenes:
         scene, _, size = text.partition("@")
         out = Path(options.out)
-        graphs = [str(ROOT / f"graphs/{name}.py") for name in GRAPHS]
+        device = f",device={options.device}" if options.device else ""
+        graphs = [f"{ROOT / 'graphs' / name}.py@label={name}{device}" for name in GRAPHS]
         own = ["--scenes", scene, "--size", size or SIZE, "--out", str(out / Path(scene).stem), "--cache", str(out / "cache")]
         code = compare.main([*graphs, *own, *OPTIONS, *further])
         worst = max(worst, code)

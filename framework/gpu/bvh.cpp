@@ -24,7 +24,10 @@ BvhGrid gridOver(const Box& box)
 {
     constexpr float CELLS = 65534;  // one less than there are: the last one rounds
     const glm::vec3 far = glm::max(glm::abs(box.lower), glm::abs(box.upper));
-    const glm::vec3 cell = glm::max(glm::max((box.upper - box.lower) / CELLS, far * 0x1p-23f), glm::vec3(1e-30f));
+    const glm::vec3 extent = box.upper - box.lower;
+    // Across a flat box they are no finer than what rays widen it by (on_grid of trace_software.glsl): from afar, coordinates stay finite.
+    const float finest = std::max(0x1p-24f * std::max({extent.x, extent.y, extent.z}), 1e-30f);
+    const glm::vec3 cell = glm::max(glm::max(extent / CELLS, far * 0x1p-23f), glm::vec3(finest));
     return {box.lower, 1.0f / cell, CELLS * std::max({cell.x, cell.y, cell.z}), 0};
 }
 

@@ -80,7 +80,7 @@ TEST_F(Output, APngBeyondTheLimitIsAnErrorAndTheOldOneStays)
 TEST_F(Output, AFullDiskIsAnErrorAndTheOldFileStays)
 {
     if (mount("tmpfs", folder_.c_str(), "tmpfs", 0, "size=64k") != 0)
-        GTEST_SKIP() << "a full disk needs a small tmpfs, which only root can mount";
+        GTEST_SKIP() << "a full disk needs a small tmpfs, which only root can mount: none is written to";
     const auto exr = old("a.exr"), png = old("a.png");
     Image noise{200, 200, 3, {}};
     std::mt19937 random(1);

@@ -107,7 +107,7 @@ def test_errors_against_the_picture_itself_are_zero(scene, tmp_path):
 
 def test_a_full_disk_is_one_line_and_keeps_the_old_picture(scene, tmp_path):
     if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", tmp_path], check=False).returncode:
-        pytest.skip("a full disk needs a small tmpfs, which only root can mount")
+        pytest.skip("a full disk needs a small tmpfs, which only root can mount: none is written to")
     try:
         (tmp_path / "a.png").write_text("old")
         command = [*render_command(scene)[:-2], "--png", "a.png"]
@@ -150,6 +150,8 @@ def test_the_progress_bar_is_drawn_on_terminals_only(scene, tmp_path):
         (["--size", "24x16x"], "--size 24x16x: write WIDTHxHEIGHT in pixels, as in 640x360"),
         (["--size", "-1x16"], "--size -1x16: write WIDTHxHEIGHT in pixels, as in 640x360"),
         (["--size", "0x16"], "an image of 0x16 pixels cannot be rendered; each side is 1 to 16384"),
+        (["--window", "1,2,3"], "restirpg: --window: At least 4 required but received 3; see restirpg --help"),
+        (["--window", "20,0,8,8"], "a window of 8x8 pixels at 20,0 does not lie in the picture of 24x16"),
         (["--frames", "0"], "restirpg: --frames: Value 0 not in range 1 to 100000000; see restirpg --help"),
         (
             ["--frames", "many"],
@@ -393,7 +395,7 @@ def test_the_tables_of_a_readme_are_those_the_pass_declares(readme):
 
 
 def test_a_python_program_answers_a_shell_that_asks_for_completions():
-    pytest.importorskip("argcomplete")
+    pytest.importorskip("argcomplete", reason="argcomplete is not installed: no completion of a Python program is tried")
     line = f"{ROOT}/scripts/compare.py --den"
     environment = {**os.environ, "_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n", "COMP_LINE": line, "COMP_POINT": str(len(line))}
     run = subprocess.run(["bash", "-c", f"/usr/bin/python3 {ROOT}/scripts/compare.py 8>&1 >/dev/null"], env=environment,
