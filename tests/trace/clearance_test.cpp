@@ -1,8 +1,8 @@
 // Rays that leave a surface: they do not meet it again, and what lies close behind they do meet. Far from the origin and near it, large
 // and small, at all tilts, in both back ends; as part of the static hierarchy and as objects with hierarchies of their own.
 #include "trace/Shared.h"
+#include "trace/devices.h"
 
-#include "gpu/gpu_test.h"
 #include "render/scene_gpu.h"
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -91,17 +91,6 @@ struct Case {
 void PrintTo(const Case& c, std::ostream* out)
 {
     *out << c.backend << (c.placed == Placed::still ? ", still" : ", moved");
-}
-
-Device& deviceOf(const std::string& backend)
-{
-    const DeviceOptions options{.device = testDevice(), .backend = backend, .validation = true};
-    if (backend == "software") {
-        static Device software(options);
-        return software;
-    }
-    static Device rayQuery(options);
-    return rayQuery;
 }
 
 const Kernel& kernelOf(const std::string& backend)

@@ -1,7 +1,7 @@
 // Both tracing back ends against Embree, ray by ray. Needs no shared scene: three meshes made here, instanced, mirrored, scaled.
+#include "trace/devices.h"
 #include "trace/rays.h"
 
-#include "gpu/gpu_test.h"
 #include "scene/gltf.h"
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -104,19 +104,6 @@ std::vector<Ray> randomRays(size_t count, float length)
             rays.push_back({point(), direction, 1e30f});
         }
     return rays;
-}
-
-/// One device a back end; validation on.
-Device& deviceOf(const std::string& backend)
-{
-    const DeviceOptions options{.device = testDevice(), .backend = backend, .validation = true};
-    // A static object each, made after its driver and layer were loaded: it is then destroyed before theirs.
-    if (backend == "software") {
-        static Device software(options);
-        return software;
-    }
-    static Device rayQuery(options);
-    return rayQuery;
 }
 
 /// Share of rays whose hits differ: other triangle at another distance (two surfaces at one distance are one hit), or other distance.
