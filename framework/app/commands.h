@@ -9,5 +9,6 @@ void addRenderCommand(CLI::App& app);
 void addDescribeCommand(CLI::App& app);
 void addGraphCommand(CLI::App& app);
 void addDevicesCommand(CLI::App& app);
+void addViewCommand(CLI::App& app);
 
 }  // namespace restirpg

@@ -80,6 +80,7 @@ int main(int argc, char** argv)
     restirpg::addDescribeCommand(app);
     restirpg::addGraphCommand(app);
     restirpg::addDevicesCommand(app);
+    restirpg::addViewCommand(app);
     try {
         checkSubcommand(app, argc, argv);
         runCommand(app, argc, argv);

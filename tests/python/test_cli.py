@@ -290,10 +290,16 @@ def test_a_picture_must_go_somewhere(scene):
 def test_subcommands_are_asked_for():
     assert refusal() == "restirpg: A subcommand is required; see restirpg --help"
     assert refusal("rendre") == (
-        "restirpg: there is no subcommand 'rendre'; subcommands: render, describe, graph, devices; "
+        "restirpg: there is no subcommand 'rendre'; subcommands: render, describe, graph, devices, view; "
         "did you mean 'render'?"
     )
     assert refusal("render") == "restirpg: GRAPH is required; see restirpg --help"
+
+
+def test_the_viewer_is_the_package_s_program():
+    code, output, errors = restirpg("view", "--help")
+    assert code == 0 and output.startswith("usage: restirpg view"), errors
+    assert refusal("view", GRAPH, "--scene", "nowhere.glb").startswith("restirpg view: nowhere.glb: ")
 
 
 def test_graph_mistakes_are_collected_and_located(tmp_path):

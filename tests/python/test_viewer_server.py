@@ -160,9 +160,9 @@ def test_nothing_is_rendered_without_a_tab_that_is_seen(viewer):
     before, after = with_tab(viewer, hidden)[0]
     assert after - before <= 1
     deadline = time.monotonic() + SECONDS
-    while viewer._rendering.watched and time.monotonic() < deadline:
+    while viewer.rendering.watched and time.monotonic() < deadline:
         time.sleep(0.05)
-    assert not viewer._rendering.watched
+    assert not viewer.rendering.watched
 
 
 def test_an_exception_in_rendering_is_shown_and_the_viewer_lives(viewer, monkeypatch, capsys):
@@ -206,5 +206,5 @@ def test_random_input_leaves_the_viewer_alive(viewer):
     threads = threading.active_count()
     with_tab(viewer, body)
     assert threading.active_count() <= threads + 1
-    assert viewer._rendering.is_alive() and viewer._rendering._commands.qsize() < 10
+    assert viewer.rendering.is_alive() and viewer.rendering._commands.qsize() < 10
     assert logging.getLogger("aiohttp.server").getEffectiveLevel() <= logging.ERROR

@@ -1,5 +1,7 @@
 """The viewer's session without a network: what its commands do to the pictures, and what they refuse."""
 
+import shutil
+
 import numpy as np
 import pytest
 from renderer_scenes import GRAPH, make_renderer, restirpg, scene, scene_file  # noqa: F401
@@ -7,6 +9,7 @@ from renderer_scenes import GRAPH, make_renderer, restirpg, scene, scene_file  #
 from restirpg.harness import UserError
 from restirpg.viewer import capture, pictures
 from restirpg.viewer.session import Session
+from restirpg.viewer.watch import Watch
 
 SIZE = (16, 16)
 
@@ -162,15 +165,15 @@ def test_what_cannot_be_done_is_refused_and_changes_nothing(session, message, wo
 
 
 def test_captures(session, tmp_path):
-    session.apply({"do": "set", "pane": 0, "knob": "paths.bounces", "value": 3})
+    session.apply({"do": "set", "pane": 0, "knob": "paths.alpha", "value": 0.25})
     session.render()
     exr = tmp_path / "capture.exr"
     exr.write_bytes(capture.make(session, "outputs.exr", "0")[0])
     np.testing.assert_array_equal(restirpg.read_exr(exr), images(session)[0])
-    assert '"bounces":3' in restirpg.read_exr_attributes(exr)["restirpg.knobs"].replace(" ", "")
+    assert '"alpha":0.25' in restirpg.read_exr_attributes(exr)["restirpg.knobs"].replace(" ", "")
     graph = tmp_path / "graph.json"
     graph.write_bytes(capture.make(session, "graph.json", "0")[0])
-    assert make_renderer(session.scene, restirpg.load_graph(graph), size=SIZE).get("paths.bounces") == 3
+    assert make_renderer(session.scene, restirpg.load_graph(graph), size=SIZE).get("paths.alpha") == 0.25
     assert capture.make(session, "picture.png", "1")[0].startswith(b"\x89PNG")
     for name, pane in (("secret.txt", "0"), ("picture.png", "2"), ("picture.png", "x")):
         with pytest.raises(UserError):
@@ -193,3 +196,22 @@ def test_a_reload_takes_edits_and_keeps_the_old_graph_when_they_are_wrong(scene,
     assert session.panes[0].renderer is not old and session.panes[0].name == "Edited"
     session.render()
     assert session.panes[0].frames == 1
+
+
+def test_a_shader_that_does_not_compile_is_located_and_the_old_one_goes_on(scene, tmp_path, monkeypatch):
+    shaders = tmp_path / "shaders"
+    shutil.copytree(GRAPH.parents[1] / "framework" / "shaders", shaders)
+    monkeypatch.setenv("RESTIRPG_SHADERS", str(shaders))
+    session = Session(scene, [GRAPH], SIZE, validation=True)
+    watch = Watch([GRAPH])
+    edited, good = shaders / "random.glsl", (shaders / "random.glsl").read_text()
+    edited.write_text(good + "\nthis is no GLSL\n")
+    monkeypatch.setattr("restirpg.viewer.watch._SECONDS", 0.0)
+    assert watch.changed() == [str(edited)] and watch.changed() == []
+    with pytest.raises(UserError, match=rf"random.glsl:{good.count(chr(10)) + 2}"):
+        session.apply({"do": "reload"})
+    session.render()
+    assert session.panes[0].frames == 1
+    edited.write_text(good)
+    session.apply({"do": "reload"})
+    session.render()

@@ -95,21 +95,22 @@ class Learner:
             renderer.render(1)
             grid = self._names.grid(renderer)
             points = points or find_points(renderer, grid, self._pixels, self._size, self._strict)
-            directions, weights, keys = self._samples(grid)
+            directions, weights, keys = splatted(renderer, ".".join(self._port), grid, self._raw)
             mine = [(keys == np.uint64(point.key)) & (weights > 0) for point in points]
             collected.append([(unpack_direction(directions[m]), weights[m]) for m in mine])
         guide = read_table(renderer.read_port(f"{self._names.fit}.guide"), CELL, MEMORY)[1]
         mixtures = [mixture_of(guide[point.key][0]) if point.key in guide else None for point in points]
         return points, [list(samples) for samples in zip(*collected)], mixtures
 
-    def _samples(self, grid):
-        """Packed directions, weights and keys of the last frame's samples."""
-        data = self._renderer.read_port(".".join(self._port)).view(SAMPLE if self._raw else VERTEX)
-        data = data[is_valid(data)]
-        positions = grid.positions(data["position"])
-        keys = grid.keys(positions, vertex_face(data), data["surface"] & 0xFFFF)[0]
-        weights = data["weight"] * vertex_scatter(data) if self._raw else np.ones(len(data))
-        return data["direction"], weights, keys
+
+def splatted(renderer, port, grid, raw=False):
+    """Packed directions, weights and keys of the last frame's vertices, or (raw) samples, at `port`."""
+    data = renderer.read_port(port).view(SAMPLE if raw else VERTEX)
+    data = data[is_valid(data)]
+    positions = grid.positions(data["position"])
+    keys = grid.keys(positions, vertex_face(data), data["surface"] & 0xFFFF)[0]
+    weights = data["weight"] * vertex_scatter(data) if raw else np.ones(len(data))
+    return data["direction"], weights, keys
 
 
 def find_points(renderer, grid, pixels, size, strict=True):

@@ -33,6 +33,11 @@ def image_ports(description):
     return ports
 
 
+def is_guided(description):
+    """Whether paths are guided by lobes in the hash grid."""
+    return {"GuidingSplat", "GuidingFit", "ReSTIRReuse"} <= {entry["type"] for entry in description["passes"]}
+
+
 def with_output(description, port):
     """The description with the port among its outputs, so that it is made and can be read."""
     name, _, output = port.partition(".")

@@ -153,7 +153,7 @@ class Server:
             future.add_done_callback(functools.partial(arrived, name))
 
     def _receive(self, client, text):
-        """A message of a page: a command for the session, "shown", "visible" or "inspect"."""
+        """A message of a page: a command for the session, "shown", "visible", "inspect" or "guide"."""
         try:
             message = json.loads(text)
             if not isinstance(message, dict):
@@ -171,6 +171,9 @@ class Server:
             self._count_audience()
         elif kind == "inspect":
             self._answer(client, self.thread.submit(self._session.inspect, message.get("x"), message.get("y")), "pixel")
+        elif kind == "guide":
+            asked = (message.get(name) for name in ("pane", "x", "y", "product"))
+            self._answer(client, self.thread.submit(self._session.guide, *asked), "guide")
         else:
             self._answer(client, self.thread.submit(self._session.apply, message, client.number))
 

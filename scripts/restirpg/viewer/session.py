@@ -13,7 +13,7 @@ import numpy as np
 import restirpg
 from restirpg.harness import UserError
 
-from . import camera, graphs, pictures
+from . import camera, graphs, guide, pictures
 from .pane import Pane
 from .probe import Probe
 
@@ -295,7 +295,8 @@ class Session:
     def state(self):
         """All that the page's controls show."""
         panes = [{"name": pane.name, "file": str(pane.file) if pane.file else "", "passes": pane.panel(),
-                  "ports": sorted(pane.ports), "port": pane.port, "arguments": graphs.as_arguments(pane.changed)}
+                  "ports": sorted(pane.ports), "port": pane.port,
+                  "guided": graphs.is_guided(pane.description), "arguments": graphs.as_arguments(pane.changed)}
                  for pane in self.panes]
         return {"panes": panes, "size": self.size, "scene": str(self.scene.file), "duration": self.scene.duration,
                 "camera": self.camera, "call": camera.as_python(self.camera), "playing": self.playing, "keep": self.keep,
@@ -320,3 +321,10 @@ class Session:
         x, y = self._pixel(x, y)
         self.settle()
         return {"x": x, "y": y, "geometry": self.geometry(x, y), "panes": [pane.pixel(x, y) for pane in self.panes]}
+
+    def guide(self, pane, x, y, product=False):
+        """What guides the paths at a pixel of a graph, see guide.py."""
+        chosen, (x, y) = self._pane(pane), self._pixel(x, y)
+        self.settle()
+        self.geometry(x, y)
+        return guide.at_pixel(chosen, self._probe, self.scene, (x, y), product is True)

@@ -10,6 +10,7 @@ from pathlib import Path
 from aiohttp import web
 
 import restirpg
+from restirpg import commands
 from restirpg.harness import UserError, program, render
 
 from .rendering import RenderThread
@@ -18,6 +19,7 @@ from .session import Session
 from .watch import Watch
 
 MOST_GRAPHS = 4
+NAME = "restirpg view"
 
 
 class Viewer:
@@ -27,7 +29,7 @@ class Viewer:
         self.session = session
         self._loop = asyncio.new_event_loop()
         self._server = Server(session, self._loop)
-        self._rendering = self._server.thread = RenderThread(session, self._server.publish, watch)
+        self.rendering = self._server.thread = RenderThread(session, self._server.publish, watch)
         self._runner = web.AppRunner(self._server.application(), access_log=None)
         self._network = threading.Thread(target=self._loop.run_forever, name="restirpg viewer's network", daemon=True)
         self._network.start()
@@ -37,7 +39,7 @@ class Viewer:
             self._end_loop()
             raise UserError(f"port {port}: cannot listen: {error.strerror}; choose another with --port") from None
         self.url = f"http://127.0.0.1:{port}/{self._server.token}/"
-        self._rendering.start()
+        self.rendering.start()
 
     def _wait(self, coroutine):
         return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result()
@@ -56,7 +58,7 @@ class Viewer:
     def close(self):
         """Stop rendering and serving."""
         if not self._loop.is_closed():
-            self._rendering.stop()
+            self.rendering.stop()
             self._wait(self._runner.cleanup())
             self._end_loop()
 
@@ -98,7 +100,7 @@ def _port(text):
 
 def _parse(arguments):
     parser = argparse.ArgumentParser(
-        description="Look at a scene through one graph, or several side by side, live in a browser. The page is served on the "
+        prog=NAME, description="Look at a scene through one graph, or several side by side, live in a browser. The page is served on the "
         "loopback address alone; over ssh, forward the port that is printed: ssh -L PORT:127.0.0.1:PORT.")
     parser.add_argument("graphs", metavar="GRAPH", nargs="+", help="graph files, up to 4")
     parser.add_argument("--scene", required=True, help="glTF file")
@@ -107,7 +109,7 @@ def _parse(arguments):
     parser.add_argument("--port", type=_port, default=0, help="0: any that is free")
     parser.add_argument("--device", help="number or part of the name, as `restirpg devices` lists them")
     program.add_allow_outside(parser)
-    return parser.parse_args(arguments)
+    return commands.parsed(parser, arguments)
 
 
 def main(arguments):
@@ -128,4 +130,4 @@ def main(arguments):
                 print(file=sys.stderr)
         return 0
 
-    return program.run("view.py", body)
+    return program.run(NAME, body)

@@ -139,7 +139,23 @@ export class Panel {
     showPixel(pixel) {
         const text = value => (Array.isArray(value) ? value : [value]).map(part => Number(part).toPrecision(4)).join(" ");
         const rows = values => Object.entries(values).map(([name, value]) => element("tr", {}, element("td", { textContent: name }), element("td", { textContent: text(value) })));
+        const ask = (pane, product) => () => this.page.send("guide", { pane, x: pixel.x, y: pixel.y, product });
+        this.guide = element("div");
         this.pixel.replaceChildren(element("h2", { textContent: `pixel ${pixel.x}, ${pixel.y}` }), element("table", {}, ...rows(pixel.geometry)),
-            ...pixel.panes.flatMap((values, i) => [element("div", { textContent: this.page.state.panes[i].name, style: `color: ${COLOURS[i]}` }), element("table", {}, ...rows(values))]));
+            ...pixel.panes.flatMap((values, i) => [
+                element("div", { textContent: this.page.state.panes[i].name, style: `color: ${COLOURS[i]}` }), element("table", {}, ...rows(values)),
+                ...this.page.state.panes[i].guided ? [element("div", { className: "actions" }, element("button", { textContent: "guide here", onclick: ask(i, false) }),
+                    element("button", { textContent: "with the true product", title: "path traced from the point: some seconds", onclick: ask(i, true) }))] : []]),
+            this.guide);
+    }
+
+    // The hemisphere about the normal: azimuth to the right, cosine downwards from 1 to 0.
+    showGuide(guide) {
+        const lobes = (guide.lobes ?? []).map(([kappa, weight]) => element("tr", {}, element("td", { textContent: `lobe, kappa ${kappa.toPrecision(3)}` }),
+                                                                             element("td", { textContent: `${(100 * weight).toFixed(1)}%` })));
+        const told = guide.lobes ? `, alpha ${guide.alpha.toFixed(3)}, last fitted to ${guide.samples.toFixed(0)} samples ${guide.age} frames ago` : ": nothing learnt yet";
+        this.guide?.replaceChildren(element("div", { textContent: `cell of ${(100 * guide.side).toPrecision(3)} cm${told}` }), element("table", {}, ...lobes),
+            ...Object.entries(guide.maps).map(([name, data]) => element("figure", {}, element("figcaption", { textContent: name }),
+                element("img", { src: `data:image/png;base64,${data}` }))));
     }
 }

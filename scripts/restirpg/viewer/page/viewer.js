@@ -138,6 +138,8 @@ class Page {
             this.report(message.note, "note");
         if (message.pixel)
             this.panel.showPixel(message.pixel);
+        if (message.guide)
+            this.panel.showGuide(message.guide);
         if (message.state) {
             this.you = message.you;
             this.state = message.state;

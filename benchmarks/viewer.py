@@ -1,0 +1,96 @@
+#!/usr/bin/python3
+"""How fast the live viewer is: frames a second, time from an input to the picture that shows it, and what a frame costs
+beyond rendering.
+
+    PYTHONPATH=scripts benchmarks/viewer.py --scene FILE [--graph FILE ...] [--size WxH ...] [--seconds 20]
+
+A tab over the loopback network that shows each picture at once, as a browser does but for decoding and drawing, turns the
+camera now and then. Printed is one row of a table for each graph and size.
+"""
+
+import argparse
+import asyncio
+import json
+import statistics
+import struct
+import time
+from pathlib import Path
+
+import aiohttp
+
+import restirpg
+from restirpg.harness import program
+
+ROOT = Path(__file__).resolve().parents[1]
+BETWEEN = 5  # frames from one move to the next
+
+
+async def measure(url, seconds):
+    """(latencies, headers, frames a second)."""
+    latencies, headers, sent, number = [], [], {}, 0
+    async with aiohttp.ClientSession() as session, session.ws_connect(url + "live", max_msg_size=0) as socket:
+        start = None
+        async for message in socket:
+            if message.type != aiohttp.WSMsgType.BINARY:
+                continue
+            now = time.perf_counter()
+            (length,) = struct.unpack("<I", message.data[:4])
+            header = json.loads(message.data[4:4 + length])
+            await socket.send_json({"do": "shown"})
+            if start is None and number < 2 * BETWEEN:  # the first frames compile kernels
+                number += 1
+                start = now if number == 2 * BETWEEN else None
+                continue
+            headers.append(header)
+            for seen in header["seen"].values():
+                if seen in sent:
+                    latencies.append(now - sent.pop(seen))
+            if len(headers) % BETWEEN == 0:
+                number += 1
+                sent[number] = time.perf_counter()
+                await socket.send_json({"do": "orbit", "x": 0.02, "y": 0.0, "id": number})
+            if now - start > seconds:
+                return latencies, headers, len(headers) / (now - start)
+
+
+def cpu_of(session):
+    """CPU time of a picture for the page, ms: that of the one thread that makes it, whatever else the machine does."""
+    times = []
+    for _ in range(20):
+        start = time.thread_time()
+        session.frame()
+        times.append(1000 * (time.thread_time() - start))
+    return statistics.median(times)
+
+
+def row(graph, size, scene, seconds):
+    """A line of the table."""
+    with restirpg.view(graph, scene, size) as viewer:
+        latencies, headers, rate = asyncio.run(measure(viewer.url, seconds))
+        cpu = viewer.rendering.submit(cpu_of, viewer.session).result()
+    rendering = statistics.median(header["panes"][0]["milliseconds"] for header in headers)
+    showing = statistics.median(header["view_milliseconds"] for header in headers)
+    bytes_a_frame = statistics.median(header["sizes"][0] for header in headers)
+    latency = statistics.median(latencies) * 1000
+    return (f"| {Path(graph).stem} | {size[0]}x{size[1]} | {rate:.1f} | {latency:.0f} | {rendering:.1f} | {showing:.1f} | "
+            f"{cpu:.1f} | {bytes_a_frame / 1000:.0f} |")
+
+
+def main():
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scene", required=True)
+    parser.add_argument("--graph", action="append")
+    parser.add_argument("--size", type=program.size, action="append")
+    parser.add_argument("--seconds", type=program.positive, default=20)
+    arguments = parser.parse_args()
+    scene = restirpg.load_scene(arguments.scene)
+    print("| graph | size | frames/s | input to picture, ms | rendering, ms | picture and JPEG, ms | of it CPU, ms | kB a frame |")
+    print("| --- " * 8 + "|")
+    for graph in arguments.graph or [str(ROOT / "graphs" / "path_tracer.py"), str(ROOT / "graphs" / "restir_pg.py")]:
+        for size in arguments.size or [(320, 180), (640, 360)]:
+            print(row(graph, size, scene, arguments.seconds), flush=True)
+
+
+if __name__ == "__main__":
+    main()
