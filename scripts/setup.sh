@@ -9,6 +9,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build_folder=$root/build
 python=/usr/bin/python3  # the distribution's own: its packages do not belong to another python3 that comes first on PATH
 apt_folder=${RESTIRPG_APT_FOLDER:-/etc/apt}  # the tests point it at samples
+from_backports='mesa-vulkan-drivers|python3-scikit-build-core'  # what Debian 12 has too old or not; all else is the release's own
 least_mesa=25  # lavapipe 22 of Debian 12 lacks ray query and shader features that the kernels use
 
 # The comment at the head of the script that sources this.
@@ -104,12 +105,13 @@ add_backports()
 
 install_debian()
 {
-    local role=$1 suite=$2 missing backports=() unknown
+    local role=$1 suite=$2 missing newer backports=() unknown
     missing=$(package_names "$role" | not_installed)
     if mesa_is_old; then
         missing=$(printf '%s\nmesa-vulkan-drivers\n' "$missing" | sort -u | sed '/^$/d')
-        [[ $suite != bookworm ]] || backports=(-t bookworm-backports)
     fi
+    newer=$(grep -xE "$from_backports" <<<"$missing" || true)
+    [[ -z $newer || $suite != bookworm ]] || backports=(-t bookworm-backports)
     [[ -n $missing ]] || return 0
     echo "setup: installing $(tr '\n' ' ' <<<"$missing")" >&2
     [[ -z ${backports[*]} ]] || add_backports "$suite"
@@ -117,11 +119,11 @@ install_debian()
     # shellcheck disable=SC2086
     unknown=$(comm -13 <({ apt-cache --no-all-versions show $missing 2>/dev/null || true; } | sed -n 's/^Package: //p' | sort -u) <(sort <<<"$missing"))
     [[ -z $unknown ]] || stop "this system's package archive lacks: ${unknown//$'\n'/ }"
-    # The driver alone comes from backports; everything else is the release's own.
     # shellcheck disable=SC2046
-    apt_install $(grep -vx mesa-vulkan-drivers <<<"$missing" || true)
-    if grep -qx mesa-vulkan-drivers <<<"$missing"; then
-        apt_install "${backports[@]}" mesa-vulkan-drivers
+    apt_install $(grep -vxE "$from_backports" <<<"$missing" || true)
+    if [[ -n $newer ]]; then
+        # shellcheck disable=SC2086
+        apt_install "${backports[@]}" $newer
         ! mesa_is_old || stop "mesa-vulkan-drivers $least_mesa or newer is needed, the archive has only an older one"
     fi
 }

@@ -1,4 +1,4 @@
-# Write render/version.cpp with the commit at hand; touched only when it changes. Run at every build.
+# Write render/version.cpp with the version VERSION and the commit at hand; touched only when it changes. Run at every build.
 cmake_minimum_required(VERSION 3.25)  # sets the policies: this file is run as a script
 execute_process(COMMAND git -C ${SOURCE} describe --always --dirty=+ --abbrev=10 --exclude=*
     OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
@@ -10,6 +10,7 @@ file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT
 
 namespace restirpg {
 
+const char* const VERSION = \"@VERSION@\";
 const char* const COMMIT = \"@commit@\";
 
 }  // namespace restirpg

@@ -1,6 +1,6 @@
 #include "core/paths.h"
 
-#include "core/error.h"
+#include "core/error_kinds.h"
 
 #include <dlfcn.h>
 
@@ -15,6 +15,12 @@ fs::path environment(const char* name)
 {
     const char* value = std::getenv(name);
     return value ? fs::path(value) : fs::path();
+}
+
+fs::path& interpreter()
+{
+    static fs::path program = RESTIRPG_PYTHON;
+    return program;
 }
 
 /// share/restirpg of the installed tree, or empty.
@@ -52,8 +58,12 @@ fs::path shaderFolder()
 
 fs::path pythonFolder()
 {
-    const fs::path installed = libraryFolder() / "../share/restirpg/python";
-    return fs::weakly_canonical(fs::exists(installed) ? installed : libraryFolder() / "../python");
+    const fs::path library = libraryFolder();
+    // In the installed tree, in the build tree, in a wheel.
+    for (const char* folder : {"../share/restirpg/python", "../python", "../.."})
+        if (fs::exists(library / folder / "restirpg/evaluate.py"))
+            return fs::weakly_canonical(library / folder);
+    fail("{}: the Python package restirpg is not beside this folder: install or configure anew", library.string());
 }
 
 fs::path displayConfig()
@@ -73,10 +83,15 @@ fs::path pluginFolder(const void* inside, const fs::path& source)
     return fs::exists(installed) ? installed : fs::weakly_canonical(library.parent_path() / source);
 }
 
+void setPythonInterpreter(const fs::path& program)
+{
+    interpreter() = program;
+}
+
 fs::path pythonInterpreter()
 {
     const auto given = environment("RESTIRPG_PYTHON");
-    return given.empty() ? fs::path(RESTIRPG_PYTHON) : given;
+    return given.empty() ? interpreter() : given;
 }
 
 fs::path cacheFolder()
@@ -92,7 +107,7 @@ fs::path cacheFolder()
 void requireExtension(const fs::path& file, const std::string& extension)
 {
     if (file.extension() != extension)
-        fail("{}: the name must end in {}", file.string(), extension);
+        failAs<WrongValue>("{}: the name must end in {}", file.string(), extension);
 }
 
 void refuseInput(const fs::path& output, const std::vector<fs::path>& inputs)

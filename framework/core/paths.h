@@ -23,8 +23,12 @@ std::filesystem::path displayConfig();
 /// out) if there is one, else `source`, as seen from the library's folder. `inside` is the address of anything in the plugin. Passes call passFile of graph/pass.h.
 std::filesystem::path pluginFolder(const void* inside, const std::filesystem::path& source);
 
-/// The interpreter that evaluates graph files: RESTIRPG_PYTHON if set, else the one found at configure time.
+/// The interpreter that evaluates graph files: RESTIRPG_PYTHON if set, else the one that this process runs in, else the one found at
+/// configure time.
 std::filesystem::path pythonInterpreter();
+
+/// Called by the Python module: this process runs in `program`.
+void setPythonInterpreter(const std::filesystem::path& program);
 
 /// Per-user cache: RESTIRPG_CACHE_DIR, else $XDG_CACHE_HOME/restirpg, else ~/.cache/restirpg, else (no HOME) empty.
 std::filesystem::path cacheFolder();

@@ -1,6 +1,6 @@
 #include "graph/graph.h"
 
-#include "core/error.h"
+#include "core/error_kinds.h"
 #include "core/nearest.h"
 #include "graph/plan.h"
 #include "graph/wiring.h"
@@ -28,6 +28,8 @@ void setLocated(const GraphPass& pass, Set set)
 {
     try {
         set();
+    } catch (const WrongValue& error) {
+        failAs<WrongValue>("{}: {}", label(pass), error.what());
     } catch (const Error& error) {
         fail("{}: {}", label(pass), error.what());
     }
@@ -200,18 +202,18 @@ Knob& Graph::knob(const std::string& path)
 {
     const auto dot = path.find('.');
     if (dot == std::string::npos)
-        fail("'{}' names no knob; write PASS.KNOB, as in {}.KNOB", path, passes_.front().name);
+        failAs<WrongValue>("'{}' names no knob; write PASS.KNOB, as in {}.KNOB", path, passes_.front().name);
     const std::string passName = path.substr(0, dot), knobName = path.substr(dot + 1);
     auto* pass = find(passName);
     if (!pass) {
         const auto names = namesOf(passes_);
-        fail("graph '{}' has no pass '{}'; passes: {}{}", name_, passName, fmt::join(names, ", "),
+        failAs<WrongValue>("graph '{}' has no pass '{}'; passes: {}{}", name_, passName, fmt::join(names, ", "),
              guess(passName, names));
     }
     auto* found = findKnob(*pass, knobName);
     if (!found) {
         const auto names = namesOf(pass->interface.knobs());
-        fail("{} has no knob '{}'; knobs: {}{}", label(*pass), knobName,
+        failAs<WrongValue>("{} has no knob '{}'; knobs: {}{}", label(*pass), knobName,
              names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), guess(knobName, names));
     }
     return *found;

@@ -1,7 +1,7 @@
 // Reading a graph file, Python or JSON.
 #include "graph/graph.h"
 
-#include "core/error.h"
+#include "core/error_kinds.h"
 #include "core/log.h"
 #include "core/paths.h"
 #include "core/process.h"
@@ -40,7 +40,7 @@ std::string readText(const fs::path& file)
     std::ifstream stream(file, std::ios::binary);
     std::ostringstream text;
     if (!stream || fs::is_directory(file))
-        fail("{}: cannot read the graph file: {}", file.string(), std::strerror(stream ? EISDIR : errno));
+        failToRead(file, "{}: cannot read the graph file: {}", file.string(), std::strerror(stream ? EISDIR : errno));
     if (const auto bytes = fs::file_size(file, unknown); bytes > LARGEST_FILE)
         fail("{}: cannot read the graph file: it has {} bytes, a graph at most {}", file.string(), bytes, LARGEST_FILE);
     text << stream.rdbuf();

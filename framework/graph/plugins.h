@@ -1,7 +1,7 @@
 // Finding and loading passes.
 #pragma once
 
-#include "core/error.h"
+#include "core/error_kinds.h"
 #include "graph/pass.h"
 
 #include <filesystem>
@@ -32,6 +32,8 @@ auto runPlugin(const std::string& label, Action action)
         return action();
     } catch (const std::bad_alloc&) {
         throw;
+    } catch (const WrongValue& error) {
+        throw WrongValue(label + error.what());
     } catch (const Error& error) {
         throw Error(label + error.what());  // which may be several lines
     } catch (const std::exception& error) {

@@ -1,5 +1,6 @@
 #include "image/exr_header.h"
 
+#include "core/error_kinds.h"
 #include "image/limits.h"
 
 #include <ImfCompression.h>
@@ -42,8 +43,8 @@ public:
         size_ = fs::file_size(file, missing);
         stream_.open(file, std::ios::binary);
         if (missing || !stream_)
-            fail("{}: cannot read: {}; name an existing EXR file", file.string(),
-                 missing ? missing.message() : std::strerror(errno));
+            failToRead(file, "{}: cannot read: {}; name an existing EXR file", file.string(),
+                       missing ? missing.message() : std::strerror(errno));
     }
 
     void walk()

@@ -1,5 +1,6 @@
 // Radiance .hdr (RGBE, XYZE). Own code, since stb_image's reader loops for ever on a truncated file, and both it and
 // OpenImageIO's leave out the exposure.  [G. Ward Larson, Radiance File Formats, "Picture"]
+#include "core/error_kinds.h"
 #include "image/colour.h"
 #include "image/limits.h"
 #include "image/stored.h"
@@ -29,7 +30,7 @@ public:
         if (fs::is_regular_file(file, ignored))  // a pipe or a device may have no end
             stream.open(file, std::ios::binary);
         if (!stream.is_open())
-            fail("{}: cannot read the file; name an existing Radiance .hdr file", file.string());
+            failToRead(file, "{}: cannot read the file; name an existing Radiance .hdr file", file.string());
         checkMemory(file.string() + ": cannot read", "the file", fs::file_size(file), "scale the image down");
         bytes_.assign(std::istreambuf_iterator<char>(stream), {});
     }

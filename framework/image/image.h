@@ -66,8 +66,11 @@ struct DisplayTransform {
 /// rendering.
 void checkDisplay(const DisplayTransform& transform);
 
-/// Write an 8-bit PNG of a 3-channel (or 1-channel) image, atomically. Pixels with a NaN or an infinity become black.
-/// Throws Error when the file cannot be written, or the config, display or view is not there (naming the choices).
+/// An 8-bit PNG file's bytes of a 3-channel (or 1-channel) image. Pixels with a NaN or an infinity become black. Throws Error, of
+/// `place`, when the config, display or view is not there (naming the choices).
+std::string encodePng(const Image& image, const DisplayTransform& transform, const std::string& place);
+
+/// Write such a file, atomically. Throws Error when it cannot be written too.
 void writePng(const std::filesystem::path& file, const Image& image, const DisplayTransform& transform = {});
 
 }  // namespace restirpg

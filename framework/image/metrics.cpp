@@ -1,6 +1,6 @@
 #include "image/metrics.h"
 
-#include "core/error.h"
+#include "core/error_kinds.h"
 
 #include <cmath>
 #include <limits>
@@ -29,9 +29,9 @@ double relative(double difference, double scale)
 Errors measureErrors(const Image& image, const Image& reference)
 {
     if (image.channels != 3 || reference.channels != 3)
-        fail("cannot compare images of {} and {} channels; both need 3", image.channels, reference.channels);
+        failAs<WrongValue>("cannot compare images of {} and {} channels; both need 3", image.channels, reference.channels);
     if (image.width != reference.width || image.height != reference.height)
-        fail("cannot compare a {}x{} image with a {}x{} reference; render at the reference's size", image.width,
+        failAs<WrongValue>("cannot compare a {}x{} image with a {}x{} reference; render at the reference's size", image.width,
              image.height, reference.width, reference.height);
 
     const size_t pixels = size_t(image.width) * image.height;

@@ -1,7 +1,7 @@
 // The display transform, through OpenColorIO, and PNG files, through libpng.
 #include "image/image.h"
 
-#include "core/error.h"
+#include "core/error_kinds.h"
 #include "core/log.h"
 #include "core/output_file.h"
 #include "core/paths.h"
@@ -46,14 +46,14 @@ std::string chooseView(const ocio::Config& config, const std::string& file, cons
     const int count = config.getNumViews(display.c_str());
     const auto name = [&](int i) { return config.getView(display.c_str(), i); };
     if (count == 0)
-        fail("{}: it has no display '{}'; choose from {}", file, display,
+        failAs<WrongValue>("{}: it has no display '{}'; choose from {}", file, display,
              join(config.getNumDisplays(), [&](int i) { return config.getDisplay(i); }));
     if (wanted.empty())
         return config.getDefaultView(display.c_str());
     for (int i = 0; i < count; ++i)
         if (wanted == name(i))
             return wanted;
-    fail("{}: display '{}' has no view '{}'; choose from {}", file, display, wanted, join(count, name));
+    failAs<WrongValue>("{}: display '{}' has no view '{}'; choose from {}", file, display, wanted, join(count, name));
 }
 
 ocio::ConstCPUProcessorRcPtr makeProcessor(const DisplayTransform& transform)
@@ -75,11 +75,11 @@ ocio::ConstCPUProcessorRcPtr makeProcessor(const DisplayTransform& transform)
 }
 
 /// Three channels, exposed, with black where a value is not finite.
-std::vector<float> exposed(const fs::path& file, const Image& image, float stops)
+std::vector<float> exposed(const std::string& place, const Image& image, float stops)
 {
     if (image.empty() || (image.channels != 1 && image.channels != 3))
-        fail("{}: cannot write: a PNG is made of 1 or 3 channels, the image is {}x{}x{}", file.string(), image.width,
-             image.height, image.channels);
+        failAs<WrongValue>("{}: cannot write: a PNG is made of 1 or 3 channels, the image is {}x{}x{}", place, image.width, image.height,
+             image.channels);
     const float gain = std::exp2(stops);
     const size_t pixels = size_t(image.width) * image.height;
     std::vector<float> rgb(3 * pixels);
@@ -92,7 +92,7 @@ std::vector<float> exposed(const fs::path& file, const Image& image, float stops
     return rgb;
 }
 
-std::string encodePng(const fs::path& file, uint32_t width, uint32_t height, const std::vector<uint8_t>& rgb)
+std::string encode(const std::string& place, uint32_t width, uint32_t height, const std::vector<uint8_t>& rgb)
 {
     png_image png{};
     png.version = PNG_IMAGE_VERSION;
@@ -102,7 +102,7 @@ std::string encodePng(const fs::path& file, uint32_t width, uint32_t height, con
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
     std::string encoded(size, 0);
     if (!png_image_write_to_memory(&png, encoded.data(), &size, 0, rgb.data(), 0, nullptr))
-        fail("{}: cannot write: {}", file.string(), png.message);
+        fail("{}: cannot write: {}", place, png.message);
     encoded.resize(size);
     return encoded;
 }
@@ -114,16 +114,21 @@ void checkDisplay(const DisplayTransform& transform)
     makeProcessor(transform);
 }
 
-void writePng(const fs::path& file, const Image& image, const DisplayTransform& transform)
+std::string encodePng(const Image& image, const DisplayTransform& transform, const std::string& place)
 {
-    std::vector<float> rgb = exposed(file, image, transform.exposure);
+    std::vector<float> rgb = exposed(place, image, transform.exposure);
     ocio::PackedImageDesc pixels(rgb.data(), long(image.width), long(image.height), 3);
     makeProcessor(transform)->apply(pixels);
 
     std::vector<uint8_t> bytes(rgb.size());
     std::transform(rgb.begin(), rgb.end(), bytes.begin(),
                    [](float v) { return uint8_t(std::lround(255.0f * std::clamp(v, 0.0f, 1.0f))); });
-    writeFile(file, encodePng(file, image.width, image.height, bytes));
+    return encode(place, image.width, image.height, bytes);
+}
+
+void writePng(const fs::path& file, const Image& image, const DisplayTransform& transform)
+{
+    writeFile(file, encodePng(image, transform, file.string()));
 }
 
 }  // namespace restirpg

@@ -1,7 +1,10 @@
 // The Python module restirpg._native: scene, graph, renderer and images for scripts, the harness and notebooks.
 #include "binding.h"
 
-#include "core/error.h"
+#include "core/error_kinds.h"
+#include "core/paths.h"
+#include "graph/pass.h"
+#include "render/version.h"
 
 namespace restirpg::python {
 
@@ -17,7 +20,7 @@ py::array_t<float> toArray(Image&& image)
 Image toImage(const FloatArray& array, const std::string& what)
 {
     if ((array.ndim() != 2 && array.ndim() != 3) || array.size() == 0)
-        fail("{} must be an array (H, W) or (H, W, C) with pixels, not of shape {}", what,
+        failAs<WrongValue>("{} must be an array (H, W) or (H, W, C) with pixels, not of shape {}", what,
              py::str(py::tuple(array.attr("shape"))).cast<std::string>());
     const auto channels = array.ndim() == 3 ? array.shape(2) : 1;
     return {uint32_t(array.shape(1)), uint32_t(array.shape(0)), uint32_t(channels),
@@ -39,7 +42,7 @@ nlohmann::json toJson(const py::object& value)
     } catch (const py::error_already_set& error) {
         if (!error.matches(PyExc_TypeError) && !error.matches(PyExc_ValueError))
             throw;
-        fail("{} is no number, truth value or text", py::repr(value).cast<std::string>());
+        failAs<WrongValue>("{} is no number, truth value or text", py::repr(value).cast<std::string>());
     }
 }
 
@@ -52,10 +55,24 @@ PYBIND11_MODULE(_native, module)
         "The renderer: load_scene, load_graph, Renderer, and images as NumPy arrays.\n\n"
         "A mistake of the user raises restirpg.Error, whose text names the file, the place and the mend. Threads may\n"
         "share a Renderer: their calls take turns. A process that was forked after a Renderer was made can make none.";
-    py::register_exception<restirpg::Error>(module, "Error", PyExc_RuntimeError).doc() =
-        "A user's mistake or an unusable file or device: its text names the place and the mend.";
+    auto& base = py::register_exception<restirpg::Error>(module, "Error", PyExc_RuntimeError);
+    base.doc() = "A user's mistake or an unusable file or device: its text names the place and the mend.";
+    const auto kind = [&](PyObject* builtin) { return py::make_tuple(base, py::handle(builtin)); };
+    py::register_exception<restirpg::MissingFile>(module, "MissingFileError", kind(PyExc_FileNotFoundError)).doc() =
+        "A file to read is not there.";
+    py::register_exception<restirpg::WrongValue>(module, "WrongValueError", kind(PyExc_ValueError)).doc() =
+        "A value that was given is of a wrong type, out of range or no name of anything.";
+    module.attr("__version__") = restirpg::VERSION;
+    module.attr("COMMIT") = restirpg::COMMIT;
+    module.attr("PLUGIN_ABI") = restirpg::PLUGIN_ABI;
+    if (const py::object program = py::module_::import("sys").attr("executable"); !program.is_none())
+        restirpg::setPythonInterpreter(program.cast<std::string>());
     restirpg::python::bindImage(module);
     restirpg::python::bindPass(module);
     restirpg::python::bindScene(module);
     restirpg::python::bindRenderer(module);
+    // Users meet these as members of the package.
+    for (const auto& [name, member] : module.attr("__dict__").cast<py::dict>())
+        if (py::isinstance<py::type>(member))
+            py::setattr(member, "__module__", py::str("restirpg"));
 }

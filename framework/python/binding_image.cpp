@@ -1,7 +1,7 @@
 // Images: EXR, PNG and the error metrics.
 #include "binding.h"
 
-#include "core/error.h"
+#include "core/error_kinds.h"
 #include "core/paths.h"
 #include "image/metrics.h"
 
@@ -82,7 +82,7 @@ void bindImage(py::module_& module)
            const std::string& display, const std::string& view) {
             requireExtension(file, ".png");
             if (!std::isfinite(exposure))
-                fail("exposure {}: must be finite", exposure);
+                failAs<WrongValue>("exposure {}: must be finite", exposure);
             writePng(file, toImage(image, "image"), {config, display, view, exposure});
         },
         WRITE_PNG, "file"_a, "image"_a, "exposure"_a = 0.0f, "config"_a = "", "display"_a = "", "view"_a = "");

@@ -1,6 +1,7 @@
 // The renderer, frame by frame.
 #include "binding.h"
 
+#include "core/error_kinds.h"
 #include "core/paths.h"
 #include "shared_renderer.h"
 
@@ -23,7 +24,8 @@ width, height) in pixels, what alone is rendered of the picture, as it is there;
 
 A scene that has a bounce cap of its own sets the knob "bounces" of every pass to it.
 
-Threads may share a renderer: their calls take turns, those to render between two frames. A forked process cannot use it.)";
+Threads may share a renderer: their calls take turns, those to render between two frames. A forked process cannot use it.
+`with Renderer(...) as renderer:` gives back the device's memory at its end.)";
 
 constexpr const char* SEED = R"(Of all random numbers from the next frame on: 0 to 2^32 - 1.
 
@@ -77,7 +79,7 @@ nlohmann::json describe(const py::object& graph)
         return toJson(graph.attr("description")());
     if (py::isinstance<py::dict>(graph))
         return toJson(graph);
-    fail("{} is no graph; give what load_graph returns, a restirpg.Graph or a dictionary",
+    failAs<WrongValue>("{} is no graph; give what load_graph returns, a restirpg.Graph or a dictionary",
          py::repr(graph).cast<std::string>());
 }
 
@@ -134,6 +136,11 @@ void render(SharedRenderer& shared, uint32_t frames)
     }
 }
 
+Image picture(SharedRenderer& shared)
+{
+    return shared.run([](Renderer& renderer) { return renderer.output(renderer.outputNames().front()); });
+}
+
 py::array_t<uint8_t> readPort(SharedRenderer& shared, const std::string& port)
 {
     const auto bytes = shared.run([&](Renderer& renderer) { return renderer.readPort(port); });
@@ -178,7 +185,7 @@ void moveCamera(SharedRenderer& shared, const std::optional<Triple>& position, c
 void moveNode(SharedRenderer& shared, const std::variant<size_t, std::string>& node, const FloatArray& matrix)
 {
     if (matrix.ndim() != 2 || matrix.shape(0) != 4 || matrix.shape(1) != 4)
-        fail("a node is moved by a matrix (4, 4), not by an array of shape {}",
+        failAs<WrongValue>("a node is moved by a matrix (4, 4), not by an array of shape {}",
              py::str(py::tuple(matrix.attr("shape"))).cast<std::string>());
     glm::mat4 local;
     for (int row = 0; row < 4; ++row)
@@ -291,6 +298,13 @@ void bindRenderer(py::module_& module)
         .def_property_readonly("output_names", shared(&Renderer::outputNames),
                                "Names of the graph's outputs; the first is the picture.")
         .def("read_port", &readPort, READ_PORT, "port"_a)
+        .def(
+            "_repr_png_", [](SharedRenderer& r) { return py::bytes(encodePng(picture(r), {}, "the picture")); },
+            "The graph's first output for a notebook, as write_png shows it.")
+        .def(
+            "__enter__", [](SharedRenderer& r) -> SharedRenderer& { return r; }, py::return_value_policy::reference)
+        .def(
+            "__exit__", [](SharedRenderer& r, const py::args&) { r.close(); }, "Give back the device's memory.")
         .def("save", &save, SAVE, "file"_a, "half"_a = false, "output"_a = "");
     bindKnobs(renderer);
     bindMotion(renderer);

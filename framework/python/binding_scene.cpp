@@ -1,7 +1,7 @@
 // Scenes, graph descriptions and the list of devices.
 #include "binding.h"
 
-#include "core/error.h"
+#include "core/error_kinds.h"
 #include "core/paths.h"
 #include "gpu/device.h"
 #include "graph/graph.h"
@@ -33,7 +33,7 @@ std::shared_ptr<Scene> loadScene(const fs::path& file, uint32_t camera, const st
     if (environment)
         scene->environment = loadEnvironment(*environment);
     if (camera >= scene->cameras.size())
-        fail("{}: there is no camera {}; the scene has {}, counted from 0", file.string(), camera,
+        failAs<WrongValue>("{}: there is no camera {}; the scene has {}, counted from 0", file.string(), camera,
              scene->cameras.size());
     scene->camera = camera;
     return scene;

@@ -60,7 +60,18 @@ public:
                  "renderer in each");
         pybind11::gil_scoped_release release;
         std::lock_guard turn(mutex_);
+        if (!renderer_)
+            fail("this renderer was closed at the end of its `with`; make another one");
         return action(*renderer_);
+    }
+
+    /// Give back what it has of the device. Later calls throw Error.
+    void close()
+    {
+        pybind11::gil_scoped_release release;
+        std::lock_guard turn(mutex_);
+        if (isOwn())
+            renderer_.reset();
     }
 
 private:

@@ -1,6 +1,6 @@
 #include "render/renderer.h"
 
-#include "core/error.h"
+#include "core/error_kinds.h"
 #include "core/paths.h"
 #include "render/executor.h"
 #include "render/version.h"
@@ -25,7 +25,7 @@ glm::mat4 lookMatrix(const CameraPose& pose)
     const glm::vec3 back = pose.position - pose.target;
     const glm::vec3 right = glm::cross(pose.up, back);
     if (!(glm::length(back) > 0) || !(glm::length(right) > 0))
-        fail("the camera's target and up direction do not span a view; move the target away from the position and up out of line");
+        failAs<WrongValue>("the camera's target and up direction do not span a view; move the target away from the position and up out of line");
     const glm::vec3 z = glm::normalize(back), x = glm::normalize(right);
     return glm::mat4(glm::vec4(x, 0), glm::vec4(glm::cross(z, x), 0), glm::vec4(z, 0), glm::vec4(pose.position, 1));
 }
@@ -39,7 +39,7 @@ std::string textOf(const nlohmann::json& json)
 void checkTime(float seconds)
 {
     if (!std::isfinite(seconds) || seconds < 0)
-        fail("a time of {} s: must be finite and at least 0", seconds);
+        failAs<WrongValue>("a time of {} s: must be finite and at least 0", seconds);
 }
 
 void checkWindow(const Window& window, const RendererOptions& options)
@@ -47,21 +47,21 @@ void checkWindow(const Window& window, const RendererOptions& options)
     const bool inside = window.width >= 1 && window.height >= 1 && uint64_t(window.x) + window.width <= options.width &&
                         uint64_t(window.y) + window.height <= options.height;
     if (!inside)
-        fail("a window of {}x{} pixels at {},{} does not lie in the picture of {}x{}", window.width, window.height, window.x,
-             window.y, options.width, options.height);
+        failAs<WrongValue>("a window of {}x{} pixels at {},{} does not lie in the picture of {}x{}", window.width, window.height, window.x,
+                           window.y, options.width, options.height);
 }
 
 void checkOptions(const RendererOptions& options)
 {
     constexpr uint32_t LARGEST = 16384;
     if (options.width < 1 || options.height < 1 || options.width > LARGEST || options.height > LARGEST)
-        fail("an image of {}x{} pixels cannot be rendered; each side is 1 to {}", options.width, options.height, LARGEST);
+        failAs<WrongValue>("an image of {}x{} pixels cannot be rendered; each side is 1 to {}", options.width, options.height, LARGEST);
     if (options.window)
         checkWindow(*options.window, options);
     checkTime(options.time);
     constexpr float SLOWEST = 1e-6f;  // frames a second: a frame still takes finite time
     if (!std::isfinite(options.framesPerSecond) || (options.framesPerSecond != 0 && !(options.framesPerSecond >= SLOWEST)))
-        fail("{} frames a second: must be 0, where the scene stands still, or finite and at least {}", options.framesPerSecond, SLOWEST);
+        failAs<WrongValue>("{} frames a second: must be 0, where the scene stands still, or finite and at least {}", options.framesPerSecond, SLOWEST);
 }
 
 }  // namespace
@@ -130,12 +130,12 @@ Image Renderer::output(const std::string& name)
     const auto& outputs = graph().outputs();
     const auto found = std::find_if(outputs.begin(), outputs.end(), [&](const auto& output) { return output.name == name; });
     if (found == outputs.end())
-        fail("graph '{}' has no output '{}'; it has: {}; ports of passes are read where the renderer was made with outputs=[\"{}\"]",
-             graph().name(), name, fmt::join(outputNames(), ", "), name);
+        failAs<WrongValue>("graph '{}' has no output '{}'; it has: {}; ports of passes are read where the renderer was made with outputs=[\"{}\"]",
+                           graph().name(), name, fmt::join(outputNames(), ", "), name);
     const auto& pass = graph().passes()[found->pass];
     const auto& port = pass.interface.outputs()[found->output];
     if (port.type.channels == 0)
-        fail("output '{}' ({}.{}) is a {}, no image; read it with read_port", name, pass.name, port.name, port.type.name);
+        failAs<WrongValue>("output '{}' ({}.{}) is a {}, no image; read it with read_port", name, pass.name, port.name, port.type.name);
     if (frame() == 0)
         fail("output '{}' is not there yet; render at least one frame first", name);
     Image image{window().width, window().height, port.type.channels, {}};
@@ -169,7 +169,7 @@ std::vector<uint8_t> Renderer::readPort(const std::string& path)
             return device_->download<uint8_t>(*buffer, ports[o].type.bytes(window().width, window().height));
         }
     }
-    fail("graph '{}' has no port '{}'; ports are written pass.output", graph().name(), path);
+    failAs<WrongValue>("graph '{}' has no port '{}'; ports are written pass.output", graph().name(), path);
 }
 
 CameraPose Renderer::camera() const
@@ -185,7 +185,7 @@ CameraPose Renderer::camera() const
 void Renderer::moveCamera(const CameraPose& pose)
 {
     if (!(pose.yfov > 0 && pose.yfov < 3.14f))
-        fail("a vertical field of view of {} radians is no pinhole camera; use 0 to 3.14", pose.yfov);
+        failAs<WrongValue>("a vertical field of view of {} radians is no pinhole camera; use 0 to 3.14", pose.yfov);
     lookMatrix(pose);  // refuses poses that span no view
     cameraOverride_ = pose;
 }
@@ -197,9 +197,9 @@ void Renderer::moveNode(const std::string& name, const glm::mat4& local)
         if (scene_->nodes[i].name == name)
             places.push_back(i);
     if (places.empty())
-        fail("{}: no node is named '{}'", scene_->file.string(), name);
+        failAs<WrongValue>("{}: no node is named '{}'", scene_->file.string(), name);
     if (places.size() > 1)
-        fail("{}: {} nodes are named '{}'; name one by its place among the scene's nodes: {}", scene_->file.string(), places.size(),
+        failAs<WrongValue>("{}: {} nodes are named '{}'; name one by its place among the scene's nodes: {}", scene_->file.string(), places.size(),
              name, fmt::join(places.begin(), places.begin() + std::min<ptrdiff_t>(ptrdiff_t(places.size()), 10), ", "));
     moveNode(places.front(), local);
 }
@@ -207,11 +207,11 @@ void Renderer::moveNode(const std::string& name, const glm::mat4& local)
 void Renderer::moveNode(size_t node, const glm::mat4& local)
 {
     if (node >= overrides_.size())
-        fail("{}: there is no node {}; the scene has {}, counted from 0", scene_->file.string(), node, overrides_.size());
+        failAs<WrongValue>("{}: there is no node {}; the scene has {}, counted from 0", scene_->file.string(), node, overrides_.size());
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row)
             if (!std::isfinite(local[column][row]))
-                fail("node {} '{}' cannot be moved by a matrix with NaN or infinity", node, scene_->nodes[node].name);
+                failAs<WrongValue>("node {} '{}' cannot be moved by a matrix with NaN or infinity", node, scene_->nodes[node].name);
     overrides_[node] = local;
 }
 
@@ -274,7 +274,7 @@ nlohmann::json Renderer::knob(const std::string& path) const
     const auto dot = path.find('.');
     const std::string pass = path.substr(0, dot), name = dot == std::string::npos ? "" : path.substr(dot + 1);
     if (!all.contains(pass) || !all[pass].contains(name))
-        fail("graph '{}' has no knob '{}'; knobs are written pass.knob", graph().name(), path);
+        failAs<WrongValue>("graph '{}' has no knob '{}'; knobs are written pass.knob", graph().name(), path);
     return all[pass][name];
 }
 

@@ -1,6 +1,7 @@
 // What a glTF file's URIs stand for: data URIs, and files at or below its folder.
 #include "scene/gltf_file.h"
 
+#include "core/error_kinds.h"
 #include "core/memory.h"
 
 #include <algorithm>
@@ -116,7 +117,7 @@ fs::path Resources::resolveUri(const std::string& uri, const std::string& place)
         path = resolve(name, place);
     }
     if (!fs::exists(path, error))
-        fail("{}: {}: '{}': no such file; put it beside the scene", scene_.string(), place, printable(uri));
+        failAs<MissingFile>("{}: {}: '{}': no such file; put it beside the scene", scene_.string(), place, printable(uri));
     return path;
 }
 
@@ -124,7 +125,7 @@ std::vector<uint8_t> readBytes(const fs::path& path)
 {
     std::error_code error;
     if (!fs::exists(path, error))
-        fail("{}: no such file; check the path", path.string());
+        failAs<MissingFile>("{}: no such file; check the path", path.string());
     if (!fs::is_regular_file(path, error))
         fail("{}: not a file; name a .gltf or .glb file", path.string());
     const auto size = fs::file_size(path, error);

@@ -7,17 +7,30 @@ use of one of its names: describing a graph must not need a GPU, a driver or a b
 
 import importlib
 import os
+from typing import TYPE_CHECKING
 
 from restirpg.denoising import denoise, have_denoiser
 from restirpg.graph import Graph, GraphError, Port, prev
 
-__all__ = ["Graph", "GraphError", "Port", "denoise", "have_denoiser", "prev"]
+if TYPE_CHECKING:
+    from restirpg._native import *  # noqa: F403
+
+__all__ = [
+    "COMMIT", "Error", "GRAPHS", "Graph", "GraphDescription", "GraphError", "MissingFileError", "PLUGIN_ABI", "Port", "Renderer",
+    "Scene", "WrongValueError", "code_paths", "denoise", "describe_pass", "devices", "have_denoiser", "load_graph", "load_scene",
+    "measure_errors", "prev", "read_exr", "read_exr_attributes", "view", "write_exr", "write_png",
+]  # fmt: skip
+
+_folder = os.path.dirname(os.path.realpath(__file__))
+_root = os.path.dirname(os.path.dirname(_folder))  # of a clone, or share/restirpg of an installed tree
+_in_wheel = os.path.join(_folder, "share", "restirpg", "graphs")
+#: The folder of the graph files that come with the package.
+GRAPHS = _in_wheel if os.path.isdir(_in_wheel) else os.path.join(_root, "graphs")
 
 
 def _build_folders():
     """Where a clone finds its binding module: along PYTHONPATH, and in the build tree."""
-    root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
-    build = os.path.join(os.environ.get("RESTIRPG_BUILD") or os.path.join(root, "build"), "python")
+    build = os.path.join(os.environ.get("RESTIRPG_BUILD") or os.path.join(_root, "build"), "python")
     given = [folder for folder in os.environ.get("PYTHONPATH", "").split(os.pathsep) if folder]
     return [os.path.join(os.path.abspath(folder), "restirpg") for folder in (*given, build)]
 
@@ -32,7 +45,7 @@ def _load_native():
 
 def __getattr__(name):
     """`view`, and names of the binding module (PEP 562)."""
-    if name.startswith("__") or name == "_native":
+    if name == "_native" or name.startswith("__") and name != "__version__":
         raise AttributeError(f"module 'restirpg' has no attribute '{name}'")
     if name == "view":
         return importlib.import_module("restirpg.viewer").view
@@ -46,7 +59,4 @@ def __getattr__(name):
 
 
 def __dir__():
-    try:
-        return sorted({*__all__, "view", *(name for name in dir(_load_native()) if not name.startswith("_"))})
-    except ImportError:
-        return sorted(__all__)
+    return sorted(__all__)

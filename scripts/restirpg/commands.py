@@ -27,6 +27,13 @@ def parsed(parser, arguments):
     return parser.parse_args(arguments)
 
 
+def program():
+    """Run the program of an installed package in place of this process; its graph files are evaluated by this Python."""
+    file = os.path.join(os.path.dirname(os.path.realpath(__file__)), "bin", "restirpg")
+    os.environ.setdefault("RESTIRPG_PYTHON", sys.executable)
+    os.execv(file, [file, *sys.argv[1:]])
+
+
 def compare():
     """Compare methods."""
     return _run("restirpg.harness.compare")

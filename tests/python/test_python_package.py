@@ -1,11 +1,14 @@
-"""The Python package: where a clone finds its binding module, and what its commands say without it."""
+"""The Python package: where a clone finds its binding module, its commands without it, names, help, stubs, kinds of errors."""
 
+import ast
+import inspect
 import os
+import pydoc
 import subprocess
 import sys
 
 import pytest
-from renderer_scenes import ROOT
+from renderer_scenes import GRAPH, ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 
 from restirpg.harness.render import native_file
 
@@ -39,3 +42,69 @@ def test_a_program_without_a_module_says_which():
     done = python("-S", ROOT / "scripts" / "make_scenes.py", "--list")
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     assert done.stderr.startswith("make_scenes.py: ") and "lacks the module 'numpy'" in done.stderr
+
+
+def public(names):
+    """Those without an underscore in front."""
+    return {name for name in names if not name.startswith("_")}
+
+
+def test_every_name_of_the_binding_module_is_the_packages():
+    native = public(dir(sys.modules["restirpg._native"]))
+    assert native < set(restirpg.__all__) == set(dir(restirpg))
+    assert all(getattr(restirpg, name) is not None for name in restirpg.__all__)
+
+
+def test_help_shows_what_the_binding_module_has():
+    text = pydoc.plain(pydoc.render_doc(restirpg))
+    for shown in ("class Renderer(", "class Scene(", "load_scene(", "class WrongValueError(", "move_camera("):
+        assert shown in text
+
+
+def members(namespace):
+    """{class or function: the names in it} of the binding module."""
+    return {name: public(vars(member)) if inspect.isclass(member) and not issubclass(member, Exception) else set()
+            for name, member in vars(namespace).items() if not name.startswith("_")}
+
+
+def test_the_stub_names_what_the_binding_module_has():
+    tree = ast.parse((ROOT / "scripts/restirpg/_native.pyi").read_text())
+
+    def names(body):
+        """{what the statements define: its statements}"""
+        found = {node.name: node.body for node in body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+        return found | {node.target.id: [] for node in body if isinstance(node, ast.AnnAssign)}
+
+    stub = {name: public(names(inner)) for name, inner in names(tree.body).items() if not name.startswith("_")}
+    assert stub == members(sys.modules["restirpg._native"])
+
+
+def test_the_version_is_that_of_the_project(scene):  # noqa: F811
+    assert f"VERSION {restirpg.__version__} " in (ROOT / "CMakeLists.txt").read_text()
+    told = subprocess.run([native_file().parents[2] / "bin/restirpg", "--version"], capture_output=True, text=True).stdout
+    assert told == f"restirpg {restirpg.__version__}, commit {restirpg.COMMIT}, plugin ABI {restirpg.PLUGIN_ABI}\n"
+
+
+@pytest.mark.parametrize("read", [restirpg.load_scene, restirpg.load_graph, restirpg.read_exr])
+@pytest.mark.parametrize("name", ["none.gltf", "none.py", "none.exr"])
+def test_a_file_that_is_not_there_is_pythons_own_error_too(read, name, tmp_path):
+    with pytest.raises(FileNotFoundError, match="none") as caught:
+        read(tmp_path / name)
+    assert isinstance(caught.value, restirpg.Error) and "\n" not in str(caught.value)
+
+
+def test_a_wrong_value_is_pythons_own_error_too_and_a_closed_renderer_says_so(scene):  # noqa: F811
+    with make_renderer(scene, size=(16, 16)) as renderer:
+        renderer.render(1)
+        assert renderer._repr_png_().startswith(b"\x89PNG")
+        for wrong in (lambda: renderer.set("paths.bounces", "many"), lambda: renderer.set("paths.none", 1),
+                      lambda: renderer.set_everywhere("bounces", -1), lambda: renderer.set_time(-1), lambda: renderer.output("none"),
+                      lambda: renderer.move_node(10**6, [[1] * 4] * 4), lambda: renderer.move_camera(yfov=9),
+                      lambda: renderer.save("a.png"), lambda: make_renderer(scene, size=(0, 0)),
+                      lambda: restirpg.load_scene(scene.file, camera=99), lambda: restirpg.Renderer(scene, 7, size=(16, 16)),
+                      lambda: restirpg.measure_errors([[1.0]], [[1.0]])):
+            with pytest.raises(ValueError) as caught:
+                wrong()
+            assert isinstance(caught.value, restirpg.Error), wrong
+    with pytest.raises(restirpg.Error, match="closed"):
+        renderer.render(1)

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+import restirpg
 from restirpg.harness import UserError, denoised, equal_time, measure, reference, render, scenes, tiles
 from restirpg.harness.jobs import Job, Method, digest, file_name, seed_of, without_places
 from restirpg.harness.motion import Motion
 
-PATH_TRACER = os.path.relpath(render.ROOT / "graphs" / "path_tracer.py")  # from any folder
+PATH_TRACER = os.path.relpath(f"{restirpg.GRAPHS}/path_tracer.py")  # from any folder
 
 
 @dataclass(frozen=True)

@@ -109,7 +109,7 @@ def is_running_mean(description, output):
     )
 
 
-_loaded = {}  # the scene that was loaded last: {(file, camera, environment, allow_outside): (hash, restirpg.Scene)}
+_loaded: dict = {}  # the scene that was loaded last: {(file, camera, environment, allow_outside): (hash, restirpg.Scene)}
 
 
 def load_scene(job):

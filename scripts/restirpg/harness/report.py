@@ -13,6 +13,7 @@ from pathlib import Path
 import jinja2
 import numpy as np
 
+import restirpg
 from restirpg.harness import files, plots, render, tables
 from restirpg.harness import statistics as st
 from restirpg.harness.jobs import file_name
@@ -156,7 +157,7 @@ def commit():
     name = git("rev-parse", "--short=12", "HEAD")
     return (
         name + (" + changes" if name and git("status", "--porcelain", "--untracked-files=no") else "")
-        or "unknown"
+        or restirpg.COMMIT  # of the installed package, which lies in no repository
     )
 
 

@@ -36,7 +36,7 @@ def parse(arguments):
     parser.add_argument("--scene", type=Path, required=True, help=".glb or .gltf")
     program.add_allow_outside(parser)
     parser.add_argument("--pixel", type=int, nargs=2, metavar=("X", "Y"), action="append", required=True, help="a pixel; may be repeated")
-    parser.add_argument("--graph", type=Path, default=render.ROOT / "graphs" / "restir_pg.py", help="a graph with a guide")
+    parser.add_argument("--graph", type=Path, default=Path(restirpg.GRAPHS) / "restir_pg.py", help="a graph with a guide")
     parser.add_argument("--frames", type=program.positive, default=64, help="frames to learn from (%(default)s)")
     parser.add_argument("--size", type=program.size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
     parser.add_argument("--cell-size", type=program.length, default=0.05, help="of the guide's cells, as a share of the picture's height (%(default)s)")

@@ -5,11 +5,12 @@ import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import restirpg
 from restirpg.harness import UserError, analysis, files, render, report, scenes, tables
 from restirpg.harness.comparison import PATH_TRACER, Comparison, Settings
 from restirpg.harness.jobs import Call, Method, without_places
 
-GRAPHS = os.path.relpath(render.ROOT / "graphs")  # from any folder
+GRAPHS = os.path.relpath(restirpg.GRAPHS)  # from any folder
 
 
 def method(graph, label, **knobs):

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
+COMMIT = "unknown"
+
 DEFAULTS = {
     "bounces": 4,
     "noise": 1.0,  # standard deviation of a pixel's single frame over its mean
