@@ -49,7 +49,7 @@ async def measure(url, seconds):
                 number += 1
                 sent[number] = time.perf_counter()
                 await socket.send_json({"do": "orbit", "x": 0.02, "y": 0.0, "id": number})
-            if now - start > seconds:
+            if now - start > seconds and len(latencies) > 2:
                 return latencies, headers, len(headers) / (now - start)
 
 
