@@ -1,8 +1,8 @@
 #include "cases.h"
 
 #include "Shared.h"
-#include "gpu/kernel.h"
 #include "gpu/binding_set.h"
+#include "gpu/kernel.h"
 #include "scene/fresnel.h"
 
 #include <chrono>

@@ -29,12 +29,12 @@ struct Cases {
     uint32_t seed = 0;
 };
 
-/// graph/GRAPH/SCENE/WxH/BACKEND: frames of a graph after a warm-up frame. Time: the passes' GPU times. Counters: ms of each pass,
-/// device memory in MB, millions of pixels a second.
+/// graph/GRAPH/SCENE/WxH/BACKEND: frames of a graph after a warm-up frame. Time: the passes' GPU times. Counters: ms of
+/// each pass, device memory in MB, millions of pixels a second.
 void registerGraphs(const Cases& cases);
 
-/// trace/KIND/BACKEND/SCENE and trace/KIND/embree/SCENE: closest hits of primary and bounce rays, and shadow rays, the same rays
-/// for all. Counter: rays a second.
+/// trace/KIND/BACKEND/SCENE and trace/KIND/embree/SCENE: closest hits of primary and bounce rays, and shadow rays, the
+/// same rays for all. Counter: rays a second.
 void registerTracing(const Cases& cases);
 
 /// bsdf/MATERIAL: sampling, with evaluation of weight and pdf. Counter: samples a second.
@@ -47,8 +47,8 @@ int failedCases();
 /// The scene of a file, loaded once.
 std::shared_ptr<const Scene> loadScene(const std::string& file);
 
-/// Google Benchmark calls a case several times until its iterations suffice: make what a case needs once, keep it until another
-/// case (another key) needs something. One is alive at a time, so that cases do not share memory or caches.
+/// Google Benchmark calls a case several times until its iterations suffice: make what a case needs once, keep it until
+/// another case (another key) needs something. One is alive at a time, so that cases do not share memory or caches.
 template <typename T>
 T& keep(const std::string& key, const std::function<std::shared_ptr<T>()>& make)
 {

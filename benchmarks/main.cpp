@@ -1,5 +1,5 @@
-// restirpg_bench: how fast graphs, tracing and BSDF sampling are on a device. `--benchmark_out=FILE.json` writes what Google
-// Benchmark's own compare.py compares.
+// restirpg_bench: how fast graphs, tracing and BSDF sampling are on a device. `--benchmark_out=FILE.json` writes what
+// Google Benchmark's own compare.py compares.
 #include "cases.h"
 
 #include "core/error.h"
@@ -60,7 +60,8 @@ int run(int argc, char** argv)
     const std::string source = RESTIRPG_SOURCE;
     cases.graphs = {source + "/graphs/path_tracer.py"};
     cases.scenes = {source + "/out/scenes/cornell_box.glb", source + "/out/scenes/door_ajar.glb"};
-    CLI::App app("Benchmarks. Google Benchmark's own flags may be given too: --benchmark_filter=REGEX, --benchmark_out=FILE.json, "
+    CLI::App app("Benchmarks. Google Benchmark's own flags may be given too: --benchmark_filter=REGEX, "
+                 "--benchmark_out=FILE.json, "
                  "--benchmark_repetitions=N, --benchmark_min_time=SECONDS, --benchmark_list_tests");
     app.allow_extras();
     app.add_option("--graphs", cases.graphs, "graph files (the path tracer)");

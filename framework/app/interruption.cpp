@@ -32,7 +32,8 @@ void setActions(void (*expected)(int), void (*action)(int))
 /// Calls only what a signal handler may call.
 void note(int number)
 {
-    constexpr std::string_view TEXT = "\ninterrupted: this frame is ended and what there is is written; once more: end at once\n";
+    constexpr std::string_view TEXT =
+        "\ninterrupted: this frame is ended and what there is is written; once more: end at once\n";
     came = number;
     setActions(note, SIG_DFL);
     if (write(STDERR_FILENO, TEXT.data(), TEXT.size()) < 0)

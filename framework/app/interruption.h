@@ -3,8 +3,8 @@
 
 namespace restirpg {
 
-/// While it lives, the first SIGINT, SIGTERM or SIGHUP is noted, and said so on standard error; the next one ends the program at once,
-/// as all do at other times. A signal that the program was told to ignore (nohup) stays ignored.
+/// While it lives, the first SIGINT, SIGTERM or SIGHUP is noted, and said so on standard error; the next one ends the
+/// program at once, as all do at other times. A signal that the program was told to ignore (nohup) stays ignored.
 class Interruption {
 public:
     Interruption();

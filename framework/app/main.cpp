@@ -77,8 +77,8 @@ int main(int argc, char** argv)
     std::signal(SIGXFSZ, SIG_IGN);
     CLI::App app("Renders glTF scenes through render graphs, to compare light transport methods on equal terms",
                  "restirpg");
-    app.set_version_flag("--version", fmt::format("restirpg {}, commit {}, plugin ABI {}", restirpg::VERSION, restirpg::COMMIT,
-                                                  restirpg::PLUGIN_ABI));
+    app.set_version_flag("--version", fmt::format("restirpg {}, commit {}, plugin ABI {}", restirpg::VERSION,
+                                                  restirpg::COMMIT, restirpg::PLUGIN_ABI));
     app.require_subcommand(1);
     restirpg::addRenderCommand(app);
     restirpg::addDescribeCommand(app);

@@ -33,7 +33,8 @@ struct Options {
     uint32_t keepEvery = 0;  ///< frames; 0: only at the end
     std::string exr;
     std::string png;
-    std::vector<std::string> outputs;  ///< of the graph or its passes, the first is the picture; empty: all of the graph's
+    /// Of the graph or its passes, the first is the picture; empty: all of the graph's
+    std::vector<std::string> outputs;
     std::string reference;
     std::string environment;
     bool allowOutside = false;
@@ -120,9 +121,11 @@ const OutputPort& portOf(const Graph& graph, const GraphOutput& output)
 void checkPicture(const GraphOutput& output, uint32_t channels, const Options& options)
 {
     if (!options.png.empty() && channels != 1 && channels != 3)
-        fail("output '{}' has {} channels, a PNG has 1 or 3; choose another with --output, or -o for an EXR", output.name, channels);
+        fail("output '{}' has {} channels, a PNG has 1 or 3; choose another with --output, or -o for an EXR",
+             output.name, channels);
     if (!options.reference.empty() && channels != 3)
-        fail("output '{}' has {} channels, a --reference is compared with 3; choose another with --output", output.name, channels);
+        fail("output '{}' has {} channels, a --reference is compared with 3; choose another with --output", output.name,
+             channels);
 }
 
 /// The output that is the picture: the user's first, else the graph's. Outputs that no image file can hold are named.
@@ -139,8 +142,8 @@ std::string chooseOutput(Graph& graph, Options& options)
         const auto& type = portOf(graph, output).type;
         const bool asked = std::count(options.outputs.begin(), options.outputs.end(), output.name) > 0;
         if ((asked || output.name == chosen) && type.channels == 0)
-            fail("output '{}' is a {}, which no image file can hold; choose one with --output: {}", output.name, type.name,
-                 fmt::join(images, ", "));
+            fail("output '{}' is a {}, which no image file can hold; choose one with --output: {}", output.name,
+                 type.name, fmt::join(images, ", "));
         if (output.name == chosen)
             checkPicture(output, type.channels, options);
         if (options.outputs.empty() && type.channels == 0)
@@ -157,8 +160,10 @@ Image readReference(const Options& options)
     const auto& renderer = options.renderer;
     const Window seen = renderer.window.value_or(Window{0, 0, renderer.width, renderer.height});
     if (reference.width != seen.width || reference.height != seen.height)
-        fail("{}: the reference has {}x{} pixels; {} of that size", options.reference, reference.width, reference.height,
-             renderer.window ? "render a --window" : fmt::format("render with --size {}x{}", reference.width, reference.height));
+        fail("{}: the reference has {}x{} pixels; {} of that size", options.reference, reference.width,
+             reference.height,
+             renderer.window ? "render a --window"
+                             : fmt::format("render with --size {}x{}", reference.width, reference.height));
     return reference;
 }
 
@@ -181,7 +186,8 @@ void keep(Renderer& renderer, const Options& options, const std::string& shown)
 }
 
 /// Renders all frames, or until a signal comes; returns seconds.
-double renderFrames(Renderer& renderer, const Options& options, const std::string& shown, const Interruption& interruption)
+double renderFrames(Renderer& renderer, const Options& options, const std::string& shown,
+                    const Interruption& interruption)
 {
     const auto start = std::chrono::steady_clock::now();
     Progress progress("rendering", options.frames);
@@ -216,7 +222,8 @@ void reportInvalid(Renderer& renderer)
             for (const float frames : renderer.output(output.name).data)
                 count += frames;
     if (count > 0)
-        warn("{} of {} samples were NaN, infinite or too large to add up and are left out: the mean is wrong where they were, which "
+        warn("{} of {} samples were NaN, infinite or too large to add up and are left out: the mean is wrong where "
+             "they were, which "
              "output 'invalid' shows",
              count, renderer.frame() * double(renderer.window().width) * renderer.window().height);
 }
@@ -232,7 +239,8 @@ void writeResults(Renderer& renderer, const Options& options, const std::string&
     if (!reference.empty()) {
         const Errors errors = measureErrors(image, reference);
         fmt::print("against {}: MAPE {:.4g}%, relMSE {:.4g}, RMSE {:.4g}, bias {:+.3g}%, invalid pixels {}\n",
-                   escaped(options.reference), 100 * errors.mape, errors.relMse, errors.rmse, 100 * errors.bias, errors.invalid);
+                   escaped(options.reference), 100 * errors.mape, errors.relMse, errors.rmse, 100 * errors.bias,
+                   errors.invalid);
     }
 }
 
@@ -281,11 +289,13 @@ void addInputOptions(CLI::App& command, Options& options)
     command.add_option("--scene", options.scene, "glTF 2.0 scene (.gltf or .glb)")->required();
     command.add_flag("--allow-outside", options.allowOutside,
                      "Let the scene read files that lie outside of its own folder");
-    command.add_option("--environment", options.environment,
-                       "Environment light in place of the scene's: an equirectangular .exr or .hdr, or a radiance r,g,b");
+    command.add_option(
+        "--environment", options.environment,
+        "Environment light in place of the scene's: an equirectangular .exr or .hdr, or a radiance r,g,b");
     command.add_option("--camera", options.camera, "Number of the scene's camera, counted from 0");
     command.add_option("--time", options.renderer.time, "Time of the first frame, s");
-    command.add_option("--fps", options.renderer.framesPerSecond, "Frames per second of scene time; 0: the scene stands still");
+    command.add_option("--fps", options.renderer.framesPerSecond,
+                       "Frames per second of scene time; 0: the scene stands still");
     command.add_option("--bounces", options.bounces,
                        "Bounce cap of every pass that has one (default: the scene's own)");
     command.add_flag("--energy-compensation", options.renderer.energyCompensation,
@@ -296,7 +306,9 @@ void addInputOptions(CLI::App& command, Options& options)
 void addOutputOptions(CLI::App& command, Options& options)
 {
     command.add_option("--size", options.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
-    command.add_option("--window", options.window, "X,Y,WIDTH,HEIGHT: render only these pixels of the picture, as they are in it")
+    command
+        .add_option("--window", options.window,
+                    "X,Y,WIDTH,HEIGHT: render only these pixels of the picture, as they are in it")
         ->delimiter(',')
         ->expected(4);
     command.add_option("--frames", options.frames, "Frames to render")
@@ -306,8 +318,10 @@ void addOutputOptions(CLI::App& command, Options& options)
     command.add_option("--seed", options.renderer.seed, "Seed of all random numbers")->capture_default_str();
     command.add_option("-o", options.exr, "EXR file: the first output as R, G, B, the others as layers");
     command.add_flag("--half", options.half, "Half floats in the EXR");
-    command.add_option("--output", options.outputs,
-                       "Write only this output of the graph, or this port of a pass, as albedo, normal, depth; may be repeated, the first is the picture")
+    command
+        .add_option("--output", options.outputs,
+                    "Write only this output of the graph, or this port of a pass, as albedo, normal, depth; may be "
+                    "repeated, the first is the picture")
         ->allow_extra_args(false);
     command.add_option("--png", options.png, "PNG file of the first output");
     command.add_option("--exposure", options.display.exposure, "Exposure of the PNG in stops, -100 to 100");
@@ -320,7 +334,8 @@ void addOutputOptions(CLI::App& command, Options& options)
 
 void addDeviceOptions(CLI::App& command, DeviceOptions& options)
 {
-    command.add_option("--device", options.device, "The device's number or a part of its name, as restirpg devices lists them");
+    command.add_option("--device", options.device,
+                       "The device's number or a part of its name, as restirpg devices lists them");
     command.add_option("--backend", options.backend,
                        "Ray tracing: software or rayquery (default: what suits the device)");
     command.add_flag("--validation", options.validation, "Turn the Vulkan validation layer on");

@@ -50,7 +50,8 @@ std::optional<std::vector<std::byte>> readCacheFile(const std::filesystem::path&
         return {};
     std::error_code error;
     const auto size = std::filesystem::file_size(file, error);
-    if (error || std::memcmp(header.magic, Header().magic, sizeof header.magic) != 0 || size - sizeof header != header.bytes)
+    if (error || std::memcmp(header.magic, Header().magic, sizeof header.magic) != 0 ||
+        size - sizeof header != header.bytes)
         return {};
     std::vector<std::byte> contents(header.bytes);
     if (!stream.read(reinterpret_cast<char*>(contents.data()), std::streamsize(contents.size())))
@@ -70,7 +71,9 @@ void writeCacheFile(const std::filesystem::path& file, std::span<const std::byte
     } catch (const std::exception& error) {
         static std::once_flag said;
         std::call_once(said, [&] {
-            warn("{}; kernels are compiled again at every start (RESTIRPG_CACHE_DIR names another folder for the cache)", error.what());
+            warn(
+                "{}; kernels are compiled again at every start (RESTIRPG_CACHE_DIR names another folder for the cache)",
+                error.what());
         });
     }
 }

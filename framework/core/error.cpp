@@ -11,8 +11,8 @@ struct Character {
     size_t bytes;
 };
 
-/// The character that `text`, not empty, begins with; nullopt when its first byte begins none (RFC 3629: no overlong forms, no
-/// surrogates, nothing beyond U+10FFFF).
+/// The character that `text`, not empty, begins with; nullopt when its first byte begins none (RFC 3629: no overlong
+/// forms, no surrogates, nothing beyond U+10FFFF).
 std::optional<Character> decode(std::string_view text)
 {
     const auto byte = [&](size_t i) { return uint32_t(uint8_t(text[i])); };
@@ -37,17 +37,21 @@ std::optional<Character> decode(std::string_view text)
 /// Control characters, line and paragraph separators, and the marks of bidirectional text.
 bool isUnseen(uint32_t code)
 {
-    return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x200e || code == 0x200f || (code >= 0x2028 && code <= 0x202e) ||
-           (code >= 0x2066 && code <= 0x2069);
+    return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x200e || code == 0x200f ||
+           (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
 }
 
 std::string escapeOf(uint32_t code)
 {
     switch (code) {
-    case '\n': return "\\n";
-    case '\r': return "\\r";
-    case '\t': return "\\t";
-    default: return code < 0x100 ? fmt::format("\\x{:02x}", code) : fmt::format("\\u{:04x}", code);
+    case '\n':
+        return "\\n";
+    case '\r':
+        return "\\r";
+    case '\t':
+        return "\\t";
+    default:
+        return code < 0x100 ? fmt::format("\\x{:02x}", code) : fmt::format("\\u{:04x}", code);
     }
 }
 
@@ -60,7 +64,8 @@ std::string escaped(std::string_view text, Breaks breaks)
     while (!text.empty()) {
         const auto character = decode(text);
         const size_t bytes = character ? character->bytes : 1;
-        const bool kept = character && (!isUnseen(character->code) || (character->code == '\n' && breaks == Breaks::kept));
+        const bool kept =
+            character && (!isUnseen(character->code) || (character->code == '\n' && breaks == Breaks::kept));
         result += kept ? std::string(text.substr(0, bytes)) : escapeOf(character ? character->code : uint8_t(text[0]));
         text.remove_prefix(bytes);
     }

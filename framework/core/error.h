@@ -12,11 +12,13 @@ namespace restirpg {
 /// What line breaks in a text become.
 enum class Breaks { kept, escaped };
 
-/// `text` as any terminal and any reader of UTF-8 may have it. A name in a file may hold anything: control characters, which steer
-/// terminals, marks that turn the direction of writing, and bytes that are no UTF-8 become \n, \x1b, \u202e, \xff.
+/// `text` as any terminal and any reader of UTF-8 may have it. A name in a file may hold anything: control characters,
+/// which steer terminals, marks that turn the direction of writing, and bytes that are no UTF-8 become \n, \x1b,
+/// \u202e, \xff.
 std::string escaped(std::string_view text, Breaks breaks = Breaks::escaped);
 
-/// Of a text from a file, what belongs in a message: escaped, and no more than the first `longest` bytes in whole characters.
+/// Of a text from a file, what belongs in a message: escaped, and no more than the first `longest` bytes in whole
+/// characters.
 std::string printable(std::string_view text, size_t longest = 200);
 
 /// A user's mistake or a failed precondition. `what()` is the whole message: the file, the place and the mend,

@@ -1,4 +1,5 @@
-// Messages to standard error. A warning is said once for each distinct text, and of one kind no more than the first few.
+// Messages to standard error. A warning is said once for each distinct text, and of one kind no more than the first
+// few.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,7 +15,8 @@ constexpr size_t WARNINGS_SAID = 10;
 
 void logInfo(std::string_view text);
 
-/// Print `warning: text` in one line, unless the same text was said before in this process or WARNINGS_SAID others of `kind` were.
+/// Print `warning: text` in one line, unless the same text was said before in this process or WARNINGS_SAID others of
+/// `kind` were.
 void logWarning(std::string_view text, std::string_view kind);
 
 /// Every distinct warning said so far, in order. Tests read it.

@@ -41,9 +41,11 @@ fs::path sourceFolder()
 fs::path libraryFolder()
 {
     Dl_info info;
-    if (dladdr(reinterpret_cast<const void*>(&libraryFolder), &info) && info.dli_fname && fs::path(info.dli_fname).is_absolute())
+    if (dladdr(reinterpret_cast<const void*>(&libraryFolder), &info) && info.dli_fname &&
+        fs::path(info.dli_fname).is_absolute())
         return fs::weakly_canonical(info.dli_fname).parent_path();
-    // The program itself, by the name that it was started with: that may be relative to a working directory of another time.
+    // The program itself, by the name that it was started with: that may be relative to a working directory of another
+    // time.
     return fs::read_symlink("/proc/self/exe").parent_path();
 }
 
@@ -115,7 +117,8 @@ void refuseInput(const fs::path& output, const std::vector<fs::path>& inputs)
     std::error_code missing;  // what is not there is not the same
     for (const auto& input : inputs)
         if (fs::equivalent(output, input, missing))
-            fail("{}: cannot write: it is the file {}, which was read; choose another name", output.string(), input.string());
+            fail("{}: cannot write: it is the file {}, which was read; choose another name", output.string(),
+                 input.string());
 }
 
 }  // namespace restirpg

@@ -10,7 +10,8 @@ namespace restirpg {
 /// The folder of librestirpg.so (or of the test program that contains it).
 std::filesystem::path libraryFolder();
 
-/// The GLSL library `framework/shaders`: RESTIRPG_SHADERS if set, the installed share/restirpg/shaders beside the library, else the source tree.
+/// The GLSL library `framework/shaders`: RESTIRPG_SHADERS if set, the installed share/restirpg/shaders beside the
+/// library, else the source tree.
 std::filesystem::path shaderFolder();
 
 /// The pure-Python package's parent folder: what PYTHONPATH needs.
@@ -19,12 +20,13 @@ std::filesystem::path pythonFolder();
 /// The OpenColorIO config of the display transforms.
 std::filesystem::path displayConfig();
 
-/// Where a plugin keeps its kernels: the folder of the library's name beside the library (that is how `cmake --install` lays them
-/// out) if there is one, else `source`, as seen from the library's folder. `inside` is the address of anything in the plugin. Passes call passFile of graph/pass.h.
+/// Where a plugin keeps its kernels: the folder of the library's name beside the library (that is how `cmake --install`
+/// lays them out) if there is one, else `source`, as seen from the library's folder. `inside` is the address of
+/// anything in the plugin. Passes call passFile of graph/pass.h.
 std::filesystem::path pluginFolder(const void* inside, const std::filesystem::path& source);
 
-/// The interpreter that evaluates graph files: RESTIRPG_PYTHON if set, else the one that this process runs in, else the one found at
-/// configure time.
+/// The interpreter that evaluates graph files: RESTIRPG_PYTHON if set, else the one that this process runs in, else the
+/// one found at configure time.
 std::filesystem::path pythonInterpreter();
 
 /// Called by the Python module: this process runs in `program`.

@@ -71,8 +71,8 @@ std::vector<char*> pointers(const std::vector<std::string>& texts)
 using Clock = std::chrono::steady_clock;
 constexpr auto NEVER = Clock::time_point::max();
 
-/// Read both pipes to their ends, together: a program that fills one while we wait at the other would hang. Sets `timedOut` when they are
-/// still open at the deadline, `tooMuch` when more comes than may. False then.
+/// Read both pipes to their ends, together: a program that fills one while we wait at the other would hang. Sets
+/// `timedOut` when they are still open at the deadline, `tooMuch` when more comes than may. False then.
 bool drain(Pipe& output, Pipe& errors, Clock::time_point deadline, ProcessResult& result)
 {
     std::array<pollfd, 2> polled{{{output.ends[0], POLLIN, 0}, {errors.ends[0], POLLIN, 0}}};
@@ -107,7 +107,8 @@ bool drain(Pipe& output, Pipe& errors, Clock::time_point deadline, ProcessResult
     return true;
 }
 
-/// The process's status when it has ended. nullopt when it runs on at the deadline: it may have closed its pipes long before.
+/// The process's status when it has ended. nullopt when it runs on at the deadline: it may have closed its pipes long
+/// before.
 std::optional<int> statusOf(pid_t process, Clock::time_point deadline)
 {
     int status = 0;

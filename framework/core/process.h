@@ -20,10 +20,11 @@ struct ProcessResult {
     std::string errors;
 };
 
-/// Run `command` (program, arguments) without a shell and wait for it, no longer than `limit` and while it prints no more than
-/// MOST_PRINTED: then it is ended by SIGKILL.
-/// `environment` is added to this process's own. Throws Error when the program cannot be started.
-ProcessResult runProcess(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment = {},
+/// Run `command` (program, arguments) without a shell and wait for it, no longer than `limit` and while it prints no
+/// more than MOST_PRINTED: then it is ended by SIGKILL. `environment` is added to this process's own. Throws Error when
+/// the program cannot be started.
+ProcessResult runProcess(const std::vector<std::string>& command,
+                         const std::map<std::string, std::string>& environment = {},
                          std::optional<std::chrono::milliseconds> limit = {});
 
 }  // namespace restirpg

@@ -6,7 +6,8 @@
 
 namespace restirpg {
 
-/// Text that starts at the column `from`, broken between words where it would pass `width`, but never into lines of less than 24.
+/// Text that starts at the column `from`, broken between words where it would pass `width`, but never into lines of
+/// less than 24.
 std::string wrapped(const std::string& text, size_t from, size_t width);
 
 class Table {
@@ -17,7 +18,8 @@ public:
     void add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
     bool empty() const { return rows_.size() == 1; }
 
-    /// Columns aligned by spaces, each line indented. Lines longer than `width` are broken between words of the last column; 0: none is.
+    /// Columns aligned by spaces, each line indented. Lines longer than `width` are broken between words of the last
+    /// column; 0: none is.
     std::string text(const std::string& indent = "  ", size_t width = 0) const;
     std::string markdown() const;
 

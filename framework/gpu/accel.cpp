@@ -30,7 +30,8 @@ VkTransformMatrixKHR toRows(const glm::mat4x3& m)
 
 }  // namespace
 
-AccelerationStructures::AccelerationStructures(Device& device, std::span<const AccelerationMesh> meshes) : AccelerationStructures(device)
+AccelerationStructures::AccelerationStructures(Device& device, std::span<const AccelerationMesh> meshes)
+    : AccelerationStructures(device)
 {
     for (const auto& mesh : meshes) {
         meshes_.push_back(mesh.triangleCount == 0 ? Structure{}
@@ -86,13 +87,15 @@ AccelerationStructures::Structure AccelerationStructures::build(VkAccelerationSt
     const auto* ranges = &range;
     device_.submit([&](VkCommandBuffer commands) { vkCmdBuildAccelerationStructuresKHR(commands, 1, &info, &ranges); });
 
-    VkAccelerationStructureDeviceAddressInfoKHR address{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
+    VkAccelerationStructureDeviceAddressInfoKHR address{
+        VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
     address.accelerationStructure = structure.handle;
     structure.address = vkGetAccelerationStructureDeviceAddressKHR(device_.handle(), &address);
     return structure;
 }
 
-void AccelerationStructures::buildTopLevel(std::span<const Instance> instances, std::span<const uint32_t> meshOfInstance)
+void AccelerationStructures::buildTopLevel(std::span<const Instance> instances,
+                                           std::span<const uint32_t> meshOfInstance)
 {
     std::vector<VkAccelerationStructureInstanceKHR> records;
     for (uint32_t i = 0; i < instances.size(); ++i) {

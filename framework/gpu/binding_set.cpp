@@ -27,7 +27,8 @@ BindingSet::~BindingSet()
 
 void BindingSet::setAccelerationStructure(VkAccelerationStructureKHR structure)
 {
-    VkWriteDescriptorSetAccelerationStructureKHR accel{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR};
+    VkWriteDescriptorSetAccelerationStructureKHR accel{
+        VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR};
     accel.accelerationStructureCount = 1;
     accel.pAccelerationStructures = &structure;
     VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, &accel};
@@ -41,7 +42,8 @@ void BindingSet::setAccelerationStructure(VkAccelerationStructureKHR structure)
 void BindingSet::bind(VkCommandBuffer commands) const
 {
     if (set_)
-        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, device_.pipelineLayout(), 0, 1, &set_, 0, nullptr);
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, device_.pipelineLayout(), 0, 1, &set_, 0,
+                                nullptr);
 }
 
 }  // namespace restirpg

@@ -9,7 +9,8 @@
 namespace restirpg {
 namespace {
 
-constexpr VkBufferUsageFlags KERNEL_BUFFER = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
+constexpr VkBufferUsageFlags KERNEL_BUFFER = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                             VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
                                              VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 constexpr VkMemoryPropertyFlags HOST = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 constexpr uint64_t STAGING_BYTES = 64u << 20;
@@ -26,14 +27,16 @@ Buffer::~Buffer()
     device_->freeMemory(memory_, memoryBytes_);
 }
 
-VkDeviceMemory Device::allocateMemory(const VkMemoryRequirements& requirements, VkMemoryPropertyFlags flags, bool address)
+VkDeviceMemory Device::allocateMemory(const VkMemoryRequirements& requirements, VkMemoryPropertyFlags flags,
+                                      bool address)
 {
     uint32_t type = UINT32_MAX;
     for (uint32_t i = 0; i < memory_.memoryTypeCount && type == UINT32_MAX; ++i)
         if ((requirements.memoryTypeBits & (1u << i)) && (memory_.memoryTypes[i].propertyFlags & flags) == flags)
             type = i;
     if (type == UINT32_MAX)
-        fail("device '{}' has no memory of the kind needed (flags {:#x}); choose another device", description().name, flags);
+        fail("device '{}' has no memory of the kind needed (flags {:#x}); choose another device", description().name,
+             flags);
     VkMemoryAllocateFlagsInfo flagsInfo{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
     flagsInfo.flags = address ? VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT : 0;
     VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flagsInfo};
@@ -51,7 +54,8 @@ void Device::freeMemory(VkDeviceMemory memory, uint64_t bytes)
     allocatedBytes_ -= bytes;
 }
 
-Buffer Device::makeBuffer(uint64_t bytes, VkBufferUsageFlags usage, VkMemoryPropertyFlags flags, const std::string& name)
+Buffer Device::makeBuffer(uint64_t bytes, VkBufferUsageFlags usage, VkMemoryPropertyFlags flags,
+                          const std::string& name)
 {
     Buffer buffer;
     buffer.device_ = this;
@@ -104,7 +108,8 @@ void Device::upload(const Buffer& buffer, const void* data, uint64_t bytes, uint
     for (uint64_t done = 0; done < bytes; done += staging.bytes()) {
         const VkBufferCopy copy{0, offset + done, std::min(staging.bytes(), bytes - done)};
         std::memcpy(staging.mapped_, static_cast<const char*>(data) + done, copy.size);
-        submit([&](VkCommandBuffer commands) { vkCmdCopyBuffer(commands, staging.handle(), buffer.handle(), 1, &copy); });
+        submit(
+            [&](VkCommandBuffer commands) { vkCmdCopyBuffer(commands, staging.handle(), buffer.handle(), 1, &copy); });
     }
 }
 
@@ -119,7 +124,8 @@ void Device::download(const Buffer& buffer, void* data, uint64_t bytes, uint64_t
     Buffer staging = makeBuffer(std::min(bytes, STAGING_BYTES), VK_BUFFER_USAGE_TRANSFER_DST_BIT, HOST, "staging");
     for (uint64_t done = 0; done < bytes; done += staging.bytes()) {
         const VkBufferCopy copy{offset + done, 0, std::min(staging.bytes(), bytes - done)};
-        submit([&](VkCommandBuffer commands) { vkCmdCopyBuffer(commands, buffer.handle(), staging.handle(), 1, &copy); });
+        submit(
+            [&](VkCommandBuffer commands) { vkCmdCopyBuffer(commands, buffer.handle(), staging.handle(), 1, &copy); });
         std::memcpy(static_cast<char*>(data) + done, staging.mapped_, copy.size);
     }
 }

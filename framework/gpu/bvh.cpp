@@ -25,7 +25,8 @@ BvhGrid gridOver(const Box& box)
     constexpr float CELLS = 65534;  // one less than there are: the last one rounds
     const glm::vec3 far = glm::max(glm::abs(box.lower), glm::abs(box.upper));
     const glm::vec3 extent = box.upper - box.lower;
-    // Across a flat box they are no finer than what rays widen it by (on_grid of trace_software.glsl): from afar, coordinates stay finite.
+    // Across a flat box they are no finer than what rays widen it by (on_grid of trace_software.glsl): from afar,
+    // coordinates stay finite.
     const float finest = std::max(0x1p-24f * std::max({extent.x, extent.y, extent.z}), 1e-30f);
     const glm::vec3 cell = glm::max(glm::max(extent / CELLS, far * 0x1p-23f), glm::vec3(finest));
     return {box.lower, 1.0f / cell, CELLS * std::max({cell.x, cell.y, cell.z}), 0};
@@ -34,7 +35,9 @@ BvhGrid gridOver(const Box& box)
 /// A box on the grid, rounded outwards.
 glm::uvec3 toGrid(const BvhGrid& grid, const Box& box)
 {
-    const auto coordinates = [&](glm::vec3 p) { return (glm::dvec3(p) - glm::dvec3(grid.origin)) * glm::dvec3(grid.scale); };
+    const auto coordinates = [&](glm::vec3 p) {
+        return (glm::dvec3(p) - glm::dvec3(grid.origin)) * glm::dvec3(grid.scale);
+    };
     const auto within = [](glm::dvec3 q) { return glm::uvec3(glm::clamp(q, 0.0, 65535.0)); };
     return within(glm::floor(coordinates(box.lower))) | within(glm::ceil(coordinates(box.upper))) << 16u;
 }
@@ -150,7 +153,8 @@ std::vector<RTCBuildPrimitive> toPrimitives(std::span<const Box> boxes)
     return primitives;
 }
 
-/// Embree's device, once a process. Its builder is deterministic in shape; threads only change where nodes lie in memory.
+/// Embree's device, once a process. Its builder is deterministic in shape; threads only change where nodes lie in
+/// memory.
 RTCDevice builderDevice()
 {
     static const std::shared_ptr<RTCDeviceTy> device(rtcNewDevice(nullptr), rtcReleaseDevice);

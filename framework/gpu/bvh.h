@@ -23,11 +23,12 @@ struct Box {
 struct Bvh {
     BvhGrid grid;
     std::vector<BvhNode> nodes;  ///< the root first; at least one node
-    std::vector<uint32_t> order;  ///< input indices in leaf order; with spatial splits an index can stand more than once
+    /// Input indices in leaf order; with spatial splits an index can stand more than once
+    std::vector<uint32_t> order;
 };
 
-/// Surface-area-heuristic build (binned) over at least one box, at most maxLeafSize <= 2^BVH_LEAF_BITS primitives a leaf.
-/// Deterministic: the same input gives the same nodes in the same order.
+/// Surface-area-heuristic build (binned) over at least one box, at most maxLeafSize <= 2^BVH_LEAF_BITS primitives a
+/// leaf. Deterministic: the same input gives the same nodes in the same order.
 Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeafSize);
 
 /// The hierarchy of a triangle soup with its triangles in leaf order.

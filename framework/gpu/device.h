@@ -71,15 +71,21 @@ public:
     }
     uint32_t kernelGeneration() const { return kernelGeneration_; }
 
-    /// Kernels are compiled side by side, in threads of their own: wait for all that were made for this device, throw the Error of the first
-    /// that failed.
+    /// Kernels are compiled side by side, in threads of their own: wait for all that were made for this device, throw
+    /// the Error of the first that failed.
     void finishKernels(const CompileProgress& progress = {});
-    void addKernel(std::shared_future<std::shared_ptr<const Pipeline>> kernel) { kernels_.push_back(std::move(kernel)); }
+    void addKernel(std::shared_future<std::shared_ptr<const Pipeline>> kernel)
+    {
+        kernels_.push_back(std::move(kernel));
+    }
 
     /// Bytes of device memory allocated now.
     uint64_t allocatedBytes() const { return allocatedBytes_; }
 
-    void setName(uint64_t handle, VkObjectType type, const std::string& name) const { logical_->setName(handle, type, name); }
+    void setName(uint64_t handle, VkObjectType type, const std::string& name) const
+    {
+        logical_->setName(handle, type, name);
+    }
     void beginLabel(VkCommandBuffer commands, const std::string& name) const;
     void endLabel(VkCommandBuffer commands) const;
 

@@ -16,17 +16,18 @@ struct Required {
     void (*enable)(Features&);
 };
 
-#define RESTIRPG_FEATURE(structure, field)                                                                          \
-    {#field, [](const Features& f) -> VkBool32 { return f.structure.field; },                              \
-     [](Features& f) { f.structure.field = VK_TRUE; }}
+#define RESTIRPG_FEATURE(structure, field)                                                                             \
+    {                                                                                                                  \
+#field, [](const Features& f) -> VkBool32 { return f.structure.field; },                                       \
+                                                                              [](Features &                            \
+                                                                                 f) { f.structure.field = VK_TRUE; }   \
+    }
 
 const std::vector<Required>& requiredFeatures()
 {
     static const std::vector<Required> features = {
-        RESTIRPG_FEATURE(core.features, shaderInt64),
-        RESTIRPG_FEATURE(vulkan12, bufferDeviceAddress),
-        RESTIRPG_FEATURE(vulkan12, shaderBufferInt64Atomics),
-        RESTIRPG_FEATURE(vulkan12, scalarBlockLayout),
+        RESTIRPG_FEATURE(core.features, shaderInt64),         RESTIRPG_FEATURE(vulkan12, bufferDeviceAddress),
+        RESTIRPG_FEATURE(vulkan12, shaderBufferInt64Atomics), RESTIRPG_FEATURE(vulkan12, scalarBlockLayout),
         RESTIRPG_FEATURE(vulkan12, hostQueryReset),
     };
     return features;
@@ -47,16 +48,21 @@ bool hasExtensions(VkPhysicalDevice physical, const std::vector<const char*>& na
 std::string typeName(VkPhysicalDeviceType type)
 {
     switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete GPU";
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated GPU";
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual GPU";
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "CPU";
-    default: return "other";
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+        return "discrete GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+        return "integrated GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+        return "virtual GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+        return "CPU";
+    default:
+        return "other";
     }
 }
 
-/// lavapipe before Mesa 25 crashes in kernels that use device addresses in earnest (measured: 22.3.6). Its driverVersion is
-/// always 0.0.1; the version stands in driverInfo, "Mesa 25.0.7 ...".
+/// lavapipe before Mesa 25 crashes in kernels that use device addresses in earnest (measured: 22.3.6). Its
+/// driverVersion is always 0.0.1; the version stands in driverInfo, "Mesa 25.0.7 ...".
 bool isOldLavapipe(const VkPhysicalDeviceDriverProperties& driver)
 {
     int major = 0;

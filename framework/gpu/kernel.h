@@ -15,20 +15,23 @@ inline Compile compileIf(bool wanted)
     return wanted ? Compile::now : Compile::atFirstDispatch;
 }
 
-/// One compute shader. Its parameters are a struct of at most MAX_PARAMETER_BYTES, given at each dispatch as push constants.
+/// One compute shader. Its parameters are a struct of at most MAX_PARAMETER_BYTES, given at each dispatch as push
+/// constants.
 class Kernel {
 public:
     Kernel() = default;
-    /// Begins to compile and returns at once. `defines` are joined by the device's own (Device::setKernelDefine). Device::finishKernels, or
-    /// else the first dispatch, waits for the end and throws Error with the compiler's messages. The logical device must outlive it.
-    Kernel(Device& device, const std::filesystem::path& file, const Defines& defines = {}, const Includes& includes = {},
-           Compile when = Compile::now);
+    /// Begins to compile and returns at once. `defines` are joined by the device's own (Device::setKernelDefine).
+    /// Device::finishKernels, or else the first dispatch, waits for the end and throws Error with the compiler's
+    /// messages. The logical device must outlive it.
+    Kernel(Device& device, const std::filesystem::path& file, const Defines& defines = {},
+           const Includes& includes = {}, Compile when = Compile::now);
 
     explicit operator bool() const { return pipeline_.valid(); }
     /// Waits until it is compiled.
     const Pipeline& pipeline() const;
 
-    /// Bind, set parameters, dispatch enough groups to cover width x height x depth invocations. The descriptor set is bound by the caller.
+    /// Bind, set parameters, dispatch enough groups to cover width x height x depth invocations. The descriptor set is
+    /// bound by the caller.
     void dispatch(VkCommandBuffer commands, const void* parameters, uint32_t parameterBytes, uint32_t width,
                   uint32_t height = 1, uint32_t depth = 1) const;
 

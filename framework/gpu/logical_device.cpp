@@ -16,7 +16,8 @@
 namespace restirpg {
 namespace {
 
-VKAPI_ATTR VkBool32 VKAPI_CALL onValidationMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+VKAPI_ATTR VkBool32 VKAPI_CALL onValidationMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                                   VkDebugUtilsMessageTypeFlagsEXT,
                                                    const VkDebugUtilsMessengerCallbackDataEXT* data, void* device)
 {
     static_cast<LogicalDevice*>(device)->addMessage(data->pMessage);
@@ -50,14 +51,14 @@ bool hasExtension(const char* name)
                        [&](const auto& extension) { return std::strcmp(extension.extensionName, name) == 0; });
 }
 
-/// Mesa crashes where an allocation of its own fails, as it starts or compiles. On two cores a picture of 24x16 took 1.1 GiB of
-/// address space by path_tracer.py, 1.5 GiB by restir_pt.py.
+/// Mesa crashes where an allocation of its own fails, as it starts or compiles. On two cores a picture of 24x16
+/// took 1.1 GiB of address space by path_tracer.py, 1.5 GiB by restir_pt.py.
 void refuseTightLimit()
 {
     constexpr uint64_t LEAST = uint64_t(2) << 30;
     if (const uint64_t left = addressSpaceLeft(); left < LEAST)
-        fail("`ulimit -v` leaves the program {} of address space, and a Vulkan driver may need {}; raise that limit", bytesText(left),
-             bytesText(LEAST));
+        fail("`ulimit -v` leaves the program {} of address space, and a Vulkan driver may need {}; raise that limit",
+             bytesText(left), bytesText(LEAST));
 }
 
 void loadVulkan()
@@ -66,7 +67,8 @@ void loadVulkan()
     (void)roomy;
     static const VkResult result = volkInitialize();
     if (result != VK_SUCCESS)
-        fail("no Vulkan loader on this machine; install libvulkan1 and a driver (for the CPU: mesa-vulkan-drivers >= 25)");
+        fail("no Vulkan loader on this machine; install libvulkan1 and a driver (for the CPU: mesa-vulkan-drivers >= "
+             "25)");
 }
 
 VkInstance createInstance(bool validation, VkDebugUtilsMessengerCreateInfoEXT& messenger)
@@ -142,7 +144,8 @@ Backend chooseBackend(const DeviceDescription& device, const std::string& wanted
         return Backend::software;
     if (wanted == "rayquery") {
         if (!device.rayQuery)
-            fail("device '{}' ({}) has no ray query (VK_KHR_ray_query); use the back end 'software'", device.name, device.driver);
+            fail("device '{}' ({}) has no ray query (VK_KHR_ray_query); use the back end 'software'", device.name,
+                 device.driver);
         return Backend::rayQuery;
     }
     if (!wanted.empty())
@@ -193,7 +196,8 @@ VkDevice createLogicalDevice(VkPhysicalDevice physical, uint32_t family, bool ra
     return device;
 }
 
-/// The logical devices of a process. Those of a process that forked are left to the parent: a driver's state does not survive a fork.
+/// The logical devices of a process. Those of a process that forked are left to the parent: a driver's state does not
+/// survive a fork.
 struct Registry {
     std::mutex mutex;
     std::map<std::tuple<pid_t, std::string, std::string, bool>, std::shared_ptr<LogicalDevice>> devices;
@@ -213,8 +217,8 @@ void release()
     new auto(std::move(devices));  // what is a parent's stays untouched
 }
 
-/// Drivers, the builder of hierarchies and their threads are not in a process that was forked after they came to life: it would wait
-/// for them without end.
+/// Drivers, the builder of hierarchies and their threads are not in a process that was forked after they came to life:
+/// it would wait for them without end.
 void refuseForked()
 {
     static const pid_t first = getpid();
@@ -231,7 +235,9 @@ void check(VkResult result, const char* call)
         return;
     if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY)
         fail("the device is out of memory ({}); render a smaller image or a smaller scene", call);
-    fail("the Vulkan driver failed: {} gave VkResult {}; give the program more memory (ulimit -v), or update the driver", call, int(result));
+    fail(
+        "the Vulkan driver failed: {} gave VkResult {}; give the program more memory (ulimit -v), or update the driver",
+        call, int(result));
 }
 
 std::vector<DeviceDescription> listDevices()
@@ -271,7 +277,8 @@ LogicalDevice::LogicalDevice(const DeviceOptions& options) : validated_(wantsVal
 }
 
 LogicalDevice::LogicalDevice(const LogicalDevice& original)
-    : description_(original.description_), backend_(original.backend_), physical_(original.physical_), queueFamily_(original.queueFamily_)
+    : description_(original.description_), backend_(original.backend_), physical_(original.physical_),
+      queueFamily_(original.queueFamily_)
 {
     device_ = createLogicalDevice(physical_, queueFamily_, backend_ == Backend::rayQuery);
     vkGetDeviceQueue(device_, queueFamily_, 0, &queue_);
@@ -294,7 +301,8 @@ void LogicalDevice::create(const DeviceOptions& options)
     messenger.pUserData = this;
     instance_ = createInstance(validated_, messenger);
     if (validated_)
-        check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT");
+        check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_),
+              "vkCreateDebugUtilsMessengerEXT");
 
     const auto devices = enumerateDevices(instance_);
     std::vector<DeviceDescription> descriptions;
@@ -325,15 +333,16 @@ void LogicalDevice::destroy()
         vkDestroyInstance(instance_, nullptr);
 }
 
-/// One layout for every kernel: the acceleration structure at binding 0 (ray query only), and MAX_PARAMETER_BYTES of push constants.
+/// One layout for every kernel: the acceleration structure at binding 0 (ray query only), and MAX_PARAMETER_BYTES of
+/// push constants.
 void LogicalDevice::createLayouts()
 {
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(physical_, &properties);
     timestampPeriod_ = properties.limits.timestampPeriod;
 
-    const VkDescriptorSetLayoutBinding binding{0, VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, 1, VK_SHADER_STAGE_COMPUTE_BIT,
-                                               nullptr};
+    const VkDescriptorSetLayoutBinding binding{0, VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, 1,
+                                               VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set.bindingCount = backend_ == Backend::rayQuery ? 1 : 0;
     set.pBindings = &binding;

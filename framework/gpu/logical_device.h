@@ -20,9 +20,11 @@ enum class Backend {
 };
 
 struct DeviceOptions {
-    std::string device;  ///< index or part of the name, as `restirpg devices` lists them; empty: discrete, else integrated, else CPU
+    /// Index or part of the name, as `restirpg devices` lists them; empty: discrete, else integrated, else CPU
+    std::string device;
     std::string backend;  ///< "software", "rayquery" or empty: ray query where the device has it and is no CPU
-    bool validation = false;  ///< validation layer with synchronization validation; RESTIRPG_VALIDATION=1 turns it on too
+    /// Validation layer with synchronization validation; RESTIRPG_VALIDATION=1 turns it on too
+    bool validation = false;
 };
 
 /// A physical device as `restirpg devices` shows it.
@@ -39,8 +41,8 @@ std::vector<DeviceDescription> listDevices();
 /// Every function may be called by several threads at once.
 class LogicalDevice {
 public:
-    /// The one of this process for these options. It lives until the process ends, for the sake of its pipelines. Throws Error naming
-    /// the device, the missing feature and what would provide it.
+    /// The one of this process for these options. It lives until the process ends, for the sake of its pipelines.
+    /// Throws Error naming the device, the missing feature and what would provide it.
     static std::shared_ptr<LogicalDevice> get(const DeviceOptions& options);
 
     explicit LogicalDevice(const DeviceOptions& options);

@@ -15,8 +15,9 @@ namespace {
 /// Pipelines kept that no kernel uses now. One of lavapipe takes up to a few MB.
 constexpr size_t MAX_KEPT = 96;
 
-/// Where to note that the driver has compiled this SPIR-V before and kept the result; empty: nowhere. The driver's own cache is not ours to
-/// look into: a note that is wrong, since that cache was emptied, costs time at the first frame and nothing else.
+/// Where to note that the driver has compiled this SPIR-V before and kept the result; empty: nowhere. The driver's own
+/// cache is not ours to look into: a note that is wrong, since that cache was emptied, costs time at the first frame
+/// and nothing else.
 std::filesystem::path noteOf(const LogicalDevice& device, const Spirv& spirv)
 {
     const auto folder = cacheFolder();
@@ -30,8 +31,9 @@ std::filesystem::path noteOf(const LogicalDevice& device, const Spirv& spirv)
     return folder / "compiled" / fmt::format("{:016x}", hash.value());
 }
 
-/// lavapipe compiles a kernel to machine code at its first dispatch, for seconds, in the one thread of the queue, and keeps the code
-/// on disk. A dispatch of no groups on a device of our own makes it do so in this thread's time, beside other kernels.
+/// lavapipe compiles a kernel to machine code at its first dispatch, for seconds, in the one thread of the queue, and
+/// keeps the code on disk. A dispatch of no groups on a device of our own makes it do so in this thread's time, beside
+/// other kernels.
 void compileAhead(const LogicalDevice& original, const Spirv& spirv)
 {
     const auto note = noteOf(original, spirv);
@@ -41,7 +43,8 @@ void compileAhead(const LogicalDevice& original, const Spirv& spirv)
     const Pipeline pipeline(device.logical(), spirv, "");
     device.submit([&](VkCommandBuffer commands) {
         const std::array<std::byte, MAX_PARAMETER_BYTES> parameters{};  // read by nobody, but have to be there
-        vkCmdPushConstants(commands, device.pipelineLayout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, parameters.size(), parameters.data());
+        vkCmdPushConstants(commands, device.pipelineLayout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, parameters.size(),
+                           parameters.data());
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.handle());
         vkCmdDispatch(commands, 0, 0, 0);
     });

@@ -28,21 +28,23 @@ std::string readText(const fs::path& file)
 {
     std::ifstream stream(file, std::ios::binary);
     if (!stream)
-        fail("{}: cannot read this shader; is the installation complete? (RESTIRPG_SHADERS overrides the library's folder)",
+        fail("{}: cannot read this shader; is the installation complete? (RESTIRPG_SHADERS overrides the library's "
+             "folder)",
              file.string());
     std::ostringstream text;
     text << stream.rdbuf();
     return text.str();
 }
 
-/// The file that `#include "name"` in the file `from` means: by the given names, beside the including file, in the shader library. Empty: none.
+/// The file that `#include "name"` in the file `from` means: by the given names, beside the including file, in the
+/// shader library. Empty: none.
 fs::path resolveInclude(const std::string& name, const fs::path& from, const Includes& includes)
 {
     const auto given = includes.find(name);
     const fs::path library = shaderFolder();
     // The library also by its folder, as C++ names it: a pass's Shared.h includes "shaders/frame_types.h".
-    for (const fs::path& candidate :
-         {given == includes.end() ? fs::path() : given->second, from.parent_path() / name, library / name, library.parent_path() / name})
+    for (const fs::path& candidate : {given == includes.end() ? fs::path() : given->second, from.parent_path() / name,
+                                      library / name, library.parent_path() / name})
         if (fs::is_regular_file(candidate))
             return fs::weakly_canonical(candidate);  // canonical, so that errors and nested includes find the file
     return {};
@@ -94,8 +96,8 @@ std::vector<std::string> includedNames(const std::string& text)
     return names;
 }
 
-/// Add a file and all that it may include. Contents and not where they lie, so that clones share what they compiled; a file's includes follow
-/// it in order, so which file each name found is told by the contents.
+/// Add a file and all that it may include. Contents and not where they lie, so that clones share what they compiled; a
+/// file's includes follow it in order, so which file each name found is told by the contents.
 void hashFiles(const fs::path& file, const Includes& includes, std::set<fs::path>& seen, Hash& hash)
 {
     const std::string text = readText(file);
@@ -124,7 +126,8 @@ fs::path cachedFile(const fs::path& file, const std::string& preamble, const Inc
 {
     const fs::path folder = cacheFolder();
     if (folder.empty()) {
-        warn("{}", "no HOME, so there is no cache: kernels are compiled again at every start (RESTIRPG_CACHE_DIR names a folder for it)");
+        warn("{}", "no HOME, so there is no cache: kernels are compiled again at every start (RESTIRPG_CACHE_DIR names "
+                   "a folder for it)");
         return {};
     }
     Hash hash;
@@ -144,7 +147,8 @@ Spirv readCached(const fs::path& file)
     return words;
 }
 
-/// The first mistake of a compiler's log, which stops there, in one line. `place` is given to one that has none, which is the linker's.
+/// The first mistake of a compiler's log, which stops there, in one line. `place` is given to one that has none, which
+/// is the linker's.
 Error mistakeIn(const std::string& log, const std::string& place)
 {
     const std::string mark = "ERROR: ";

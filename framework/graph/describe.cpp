@@ -73,7 +73,8 @@ Table knobTable(const Interface& interface, TextFormat format)
         const std::string range = rangeOf(knob);
         const bool beside = format == TextFormat::markdown || range.size() <= LONG;
         table.add({knob.name, knob.typeName(), valueOf(knob), beside ? range : "",
-                   (beside ? "" : "one of " + range + ": ") + knob.meaning + (knob.structural ? " (a change rebuilds the pass)" : "")});
+                   (beside ? "" : "one of " + range + ": ") + knob.meaning +
+                       (knob.structural ? " (a change rebuilds the pass)" : "")});
     }
     return table;
 }
@@ -82,12 +83,14 @@ Table knobTable(const Interface& interface, TextFormat format)
 
 std::string describePass(const PluginEntry& entry, TextFormat format)
 {
-    const auto [pass, interface] = runPlugin(fmt::format("pass type '{}' ", entry.name), [&] { return instantiate(entry); });
+    const auto [pass, interface] =
+        runPlugin(fmt::format("pass type '{}' ", entry.name), [&] { return instantiate(entry); });
     const bool markdown = format == TextFormat::markdown;
     std::string text = markdown ? "" : wrapped(fmt::format("{}: {}", entry.name, entry.meaning), 2, TEXT_WIDTH) + "\n";
     for (const auto& table : {inputTable(interface, format), outputTable(interface), knobTable(interface, format)})
         if (!table.empty())
-            text += (markdown && text.empty() ? "" : "\n") + (markdown ? table.markdown() : table.text("  ", TEXT_WIDTH));
+            text +=
+                (markdown && text.empty() ? "" : "\n") + (markdown ? table.markdown() : table.text("  ", TEXT_WIDTH));
     return text;
 }
 

@@ -155,7 +155,8 @@ void parseArray(const json& object, const char* member, Reader& reader, Parse pa
         return;
     }
     if (found->size() > MOST_PASSES) {
-        reader.wrong({reader.file(), 0}, fmt::format("\"{}\" has {} elements; a graph has at most {}", member, found->size(), MOST_PASSES));
+        reader.wrong({reader.file(), 0},
+                     fmt::format("\"{}\" has {} elements; a graph has at most {}", member, found->size(), MOST_PASSES));
         return;
     }
     for (size_t i = 0; i < found->size(); ++i)

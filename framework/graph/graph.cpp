@@ -62,8 +62,8 @@ void checkSize(const GraphPass& source, uint32_t output, const GraphPass& target
         return;
     const auto knobs = differingKnobs(target, source);
     mistakes.add(target.location,
-                 fmt::format("input '{}' of {} reads {}, but {}.{} of {} has {}", wanted.name, label(target), wanted.type.sizeText(),
-                             source.name, made.name, label(source), made.type.sizeText()),
+                 fmt::format("input '{}' of {} reads {}, but {}.{} of {} has {}", wanted.name, label(target),
+                             wanted.type.sizeText(), source.name, made.name, label(source), made.type.sizeText()),
                  knobs.empty() ? "" : fmt::format("give both the same knobs: {}", knobs));
 }
 
@@ -118,7 +118,8 @@ std::string Graph::addOutput(const std::string& name)
                 others.push_back(path);
         }
     if (found.empty())
-        fail("graph '{}' has no output '{}'; it has: {}; and, of its passes: {}", name_, name, fmt::join(names, ", "), fmt::join(others, ", "));
+        fail("graph '{}' has no output '{}'; it has: {}; and, of its passes: {}", name_, name, fmt::join(names, ", "),
+             fmt::join(others, ", "));
     if (found.size() > 1) {
         std::vector<std::string> paths;
         for (const auto& output : found)
@@ -127,9 +128,11 @@ std::string Graph::addOutput(const std::string& name)
     }
     const auto& added = found.front();
     if (std::find(names.begin(), names.end(), added.name) != names.end())
-        fail("graph '{}' has an output '{}' already, which is not {}; rename the graph's output", name_, added.name, name);
+        fail("graph '{}' has an output '{}' already, which is not {}; rename the graph's output", name_, added.name,
+             name);
     outputs_.push_back(added);
-    description_["outputs"].push_back({{"name", added.name}, {"pass", passes_[added.pass].name}, {"output", added.name}});
+    description_["outputs"].push_back(
+        {{"name", added.name}, {"pass", passes_[added.pass].name}, {"output", added.name}});
     plan();
     check();
     return added.name;
@@ -142,7 +145,9 @@ void Graph::connectPorts()
         auto& input = *passes_[edge.target].interface.inputs()[edge.input].target;
         input.wired = true;
         input.module = passes_[edge.source].interface.outputs()[edge.output].type.module;
-        input.pixelBytes = [this, edge] { return passes_[edge.source].interface.outputs()[edge.output].type.bytes(1, 1); };
+        input.pixelBytes = [this, edge] {
+            return passes_[edge.source].interface.outputs()[edge.output].type.bytes(1, 1);
+        };
     }
     for (const auto& resource : resources_)
         passes_[resource.pass].interface.outputs()[resource.output].target->wired = true;
@@ -208,13 +213,13 @@ Knob& Graph::knob(const std::string& path)
     if (!pass) {
         const auto names = namesOf(passes_);
         failAs<WrongValue>("graph '{}' has no pass '{}'; passes: {}{}", name_, passName, fmt::join(names, ", "),
-             guess(passName, names));
+                           guess(passName, names));
     }
     auto* found = findKnob(*pass, knobName);
     if (!found) {
         const auto names = namesOf(pass->interface.knobs());
         failAs<WrongValue>("{} has no knob '{}'; knobs: {}{}", label(*pass), knobName,
-             names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), guess(knobName, names));
+                           names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), guess(knobName, names));
     }
     return *found;
 }

@@ -70,9 +70,9 @@ public:
     const std::vector<GraphPass>& passes() const { return passes_; }
     const std::vector<Edge>& edges() const { return edges_; }
     const std::vector<GraphOutput>& outputs() const { return outputs_; }
-    /// Make the output `name` readable, and return what it is called: one of the graph's outputs, or any port of a pass, "pass.port", or
-    /// "port" where only one pass that runs has it. Before the graph is given to an executor; what nobody names here, wires or outputs
-    /// costs nothing. Throws Error, naming what there is.
+    /// Make the output `name` readable, and return what it is called: one of the graph's outputs, or any port of a
+    /// pass, "pass.port", or "port" where only one pass that runs has it. Before the graph is given to an executor;
+    /// what nobody names here, wires or outputs costs nothing. Throws Error, naming what there is.
     std::string addOutput(const std::string& name);
     const std::vector<uint32_t>& order() const { return order_; }  ///< live passes in execution order
     const std::vector<PlannedResource>& resources() const { return resources_; }
@@ -80,8 +80,8 @@ public:
     /// A live or dead pass by name; nullptr when there is none.
     GraphPass* find(const std::string& name);
 
-    /// Throws Error with every place where knobs, sizes and wiring, each right by itself, do not go together. Done when the graph
-    /// is loaded; knobs may disagree while they are being changed, so again before a frame.
+    /// Throws Error with every place where knobs, sizes and wiring, each right by itself, do not go together. Done when
+    /// the graph is loaded; knobs may disagree while they are being changed, so again before a frame.
     void check() const;
 
     /// Another instance of a pass, with its wiring and knobs.
@@ -93,7 +93,8 @@ public:
     void setKnobFromText(const std::string& path, const std::string& text);
     /// Set "pass.knob" from a value; throws as knob(), and when the value does not suit.
     void setKnob(const std::string& path, const nlohmann::json& value);
-    /// Set `knob` on every pass that has it; the number of passes that do. Throws Error, having set none, when the value does not suit.
+    /// Set `knob` on every pass that has it; the number of passes that do. Throws Error, having set none, when the
+    /// value does not suit.
     uint32_t setKnobEverywhere(const std::string& knob, const nlohmann::json& value);
 
     /// The files that there are among the values of text knobs: what passes read.

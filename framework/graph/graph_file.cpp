@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 
 /// A description nests 5 deep; copying JSON recurses, so that a hostile file could exhaust the stack.
 constexpr int MAXIMUM_DEPTH = 64;
-/// restirpg/evaluate.py ends a file in time and says where it was. This is for one that does not even let itself be interrupted.
+/// restirpg/evaluate.py ends a file in time and says where it was. This is for one that does not even let itself be
+/// interrupted.
 constexpr std::chrono::seconds GRACE(3);
 constexpr uint64_t LARGEST_FILE = 16u << 20;
 
@@ -79,16 +80,19 @@ std::string evaluate(const fs::path& file)
     const auto result = [&] {
         try {
             // -B: leave no __pycache__ in the user's folder.
-            return runProcess({pythonInterpreter().string(), "-B", "-m", "restirpg.evaluate", file.string(), std::to_string(limit.count())},
+            return runProcess({pythonInterpreter().string(), "-B", "-m", "restirpg.evaluate", file.string(),
+                               std::to_string(limit.count())},
                               {{"PYTHONPATH", modules}, {"PYTHONIOENCODING", "utf-8"}}, limit + GRACE);
         } catch (const Error& error) {
             fail("{}: {}; RESTIRPG_PYTHON names the interpreter", file.string(), error.what());
         }
     }();
     if (result.timedOut)
-        fail("{}: evaluating the graph file takes more than {} s; look for a loop that does not end", file.string(), limit.count());
+        fail("{}: evaluating the graph file takes more than {} s; look for a loop that does not end", file.string(),
+             limit.count());
     if (result.tooMuch)
-        fail("{}: the graph file prints more than {} MiB while it is evaluated; let it print less", file.string(), MOST_PRINTED >> 20);
+        fail("{}: the graph file prints more than {} MiB while it is evaluated; let it print less", file.string(),
+             MOST_PRINTED >> 20);
     std::string errors = result.errors;
     while (!errors.empty() && errors.back() == '\n')
         errors.pop_back();

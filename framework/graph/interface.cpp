@@ -78,7 +78,8 @@ void Interface::ofFrameBefore()
 void Interface::together(std::vector<std::string> names)
 {
     for (const auto& name : names)
-        if (!std::any_of(inputs_.begin(), inputs_.end(), [&](const InputPort& input) { return input.optional && input.name == name; }))
+        if (!std::any_of(inputs_.begin(), inputs_.end(),
+                         [&](const InputPort& input) { return input.optional && input.name == name; }))
             fail("'{}' is no optional input, or not yet: declare it before together()", name);
     groups_.push_back(std::move(names));
 }

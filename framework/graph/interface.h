@@ -1,5 +1,5 @@
-// What a pass takes, makes and lets a user turn. A pass declares it once in Pass::describe; the graph, the command line,
-// Python, the EXR header and the docs read it here.
+// What a pass takes, makes and lets a user turn. A pass declares it once in Pass::describe; the graph, the command
+// line, Python, the EXR header and the docs read it here.
 #pragma once
 
 #include "graph/knob.h"
@@ -14,16 +14,22 @@ namespace restirpg {
 
 class Buffer;  // gpu/buffer.h
 
-/// What travels along an edge. A name stands for what the bytes mean, not for how many there are: an input takes the outputs that
-/// have its type's name, or whose family has that name, and whose size is that of the input's type where it tells one.
+/// What travels along an edge. A name stands for what the bytes mean, not for how many there are: an input takes the
+/// outputs that have its type's name, or whose family has that name, and whose size is that of the input's type where
+/// it tells one.
 struct PortType {
     std::string name;  ///< "Image3", "Surface", "GridGuide", ...
-    uint32_t channels = 0;  ///< > 0: a float image (H, W, channels), readable as a NumPy array and writable as an EXR layer
+    /// > 0: a float image (H, W, channels), readable as a NumPy array and writable as an EXR layer
+    uint32_t channels = 0;
     uint32_t bytesPerPixel = 0;
-    std::function<uint64_t()> fixedBytes = {};  ///< when set, bytes of the whole resource, whatever the image size (read after knobs are set)
-    std::function<uint64_t()> pixelBytes = {};  ///< when set, stands for bytesPerPixel: a size that follows a knob (read after knobs are set)
-    std::string module = {};  ///< GLSL that comes with the resource (how to read a guide): the reader compiles it in, see In::module
-    std::string family = {};  ///< of an output: the name of all types like it ("Guide"); an input of that name takes any of them
+    /// When set, bytes of the whole resource, whatever the image size (read after knobs are set)
+    std::function<uint64_t()> fixedBytes = {};
+    /// When set, stands for bytesPerPixel: a size that follows a knob (read after knobs are set)
+    std::function<uint64_t()> pixelBytes = {};
+    /// GLSL that comes with the resource (how to read a guide): the reader compiles it in, see In::module
+    std::string module = {};
+    /// Of an output: the name of all types like it ("Guide"); an input of that name takes any of them
+    std::string family = {};
 
     uint64_t bytes(uint32_t width, uint32_t height) const
     {
@@ -48,9 +54,11 @@ struct In {
     bool wired = false;  ///< set with the graph, before Pass::check
     const Resource* resource = nullptr;  ///< of this frame
     std::string module;  ///< PortType::module of the output wired to it; set before Pass::build
-    /// Of the output wired to it, bytes per pixel of the image as its maker's knobs are now; set with the graph, before Pass::check.
+    /// Of the output wired to it, bytes per pixel of the image as its maker's knobs are now; set with the graph, before
+    /// Pass::check.
     std::function<uint64_t()> pixelBytes = [] { return uint64_t(0); };
-    bool empty = false;  ///< a delayed input without history (first frame, after a resize or a cut): its buffer is zeroed
+    /// A delayed input without history (first frame, after a resize or a cut): its buffer is zeroed
+    bool empty = false;
     explicit operator bool() const { return wired; }
     const Resource* operator->() const { return resource; }
 };
@@ -61,7 +69,8 @@ inline PortType image(uint32_t channels)
     return {"Image" + std::to_string(channels), channels, 4 * channels, {}};
 }
 
-/// Where the point of a pixel was in the frame before, minus where it is: an image of 2 channels, in pixels, x right and y down.
+/// Where the point of a pixel was in the frame before, minus where it is: an image of 2 channels, in pixels, x right
+/// and y down.
 inline PortType motionVectors()
 {
     return {"Motion", 2, 2 * sizeof(float), {}};
@@ -99,7 +108,8 @@ inline PortType fixedSize(const std::string& name, std::function<uint64_t()> byt
     return {name, 0, 0, std::move(bytes)};
 }
 
-/// A guide of the type `name`: `layout` tells its size, `module` is the GLSL file that gives it a meaning (see shaders/guide.glsl).
+/// A guide of the type `name`: `layout` tells its size, `module` is the GLSL file that gives it a meaning (see
+/// shaders/guide.glsl).
 inline PortType guide(const std::string& name, PortType layout, std::string module)
 {
     layout.name = name;
@@ -160,10 +170,12 @@ public:
 
     void knob(const std::string& name, bool& target, const std::string& meaning);
     void knob(const std::string& name, int32_t& target, int32_t minimum, int32_t maximum, const std::string& meaning);
-    void knob(const std::string& name, uint32_t& target, uint32_t minimum, uint32_t maximum, const std::string& meaning);
+    void knob(const std::string& name, uint32_t& target, uint32_t minimum, uint32_t maximum,
+              const std::string& meaning);
     void knob(const std::string& name, float& target, float minimum, float maximum, const std::string& meaning);
     void knob(const std::string& name, std::string& target, const std::string& meaning);
-    void choice(const std::string& name, std::string& target, std::vector<std::string> choices, const std::string& meaning);
+    void choice(const std::string& name, std::string& target, std::vector<std::string> choices,
+                const std::string& meaning);
     /// Marks the knob declared last: a change of it rebuilds the pass (kernels, buffer sizes).
     void structural();
 

@@ -45,7 +45,8 @@ std::string accepted(const Knob& knob)
     const std::string given = value.is_structured()
                                   ? std::string("an ") + value.type_name()
                                   : value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    failAs<WrongValue>("knob '{}' must be {}, not {}{}{}", knob.name, accepted(knob), given, guess.empty() ? "" : "; ", guess);
+    failAs<WrongValue>("knob '{}' must be {}, not {}{}{}", knob.name, accepted(knob), given, guess.empty() ? "" : "; ",
+                       guess);
 }
 
 /// The number in `value`, checked against the knob's range.

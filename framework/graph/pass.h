@@ -22,12 +22,13 @@ public:
     /// Declare ports and knobs. Called once, before anything else; touches no GPU.
     virtual void describe(Interface& io) = 0;
 
-    /// Throw Error where knobs and wiring do not go together; fail() with what to mend, without the pass's name. Called when a
-    /// graph is loaded and before every frame, with the ports' `wired` set; touches no GPU.
+    /// Throw Error where knobs and wiring do not go together; fail() with what to mend, without the pass's name. Called
+    /// when a graph is loaded and before every frame, with the ports' `wired` set; touches no GPU.
     virtual void check() const {}
 
-    /// Make kernels (they are compiled side by side, after this returns) and load what does not change with the frame. Called once,
-    /// before the first frame. When a structural knob changes, a new instance is described and built and takes this one's place.
+    /// Make kernels (they are compiled side by side, after this returns) and load what does not change with the frame.
+    /// Called once, before the first frame. When a structural knob changes, a new instance is described and built and
+    /// takes this one's place.
     virtual void build(Device& device) = 0;
 
     /// Record this frame's dispatches. Barriers between passes and between dispatches are the frame's.
@@ -44,8 +45,8 @@ struct PluginEntry {
 };
 
 #ifdef RESTIRPG_PASS_FOLDER  // set by restirpg_add_pass
-/// A file of this pass, such as its kernel "GBuffer.comp": in the source tree, or where the pass was installed. Static, so that
-/// each plugin has its own.
+/// A file of this pass, such as its kernel "GBuffer.comp": in the source tree, or where the pass was installed. Static,
+/// so that each plugin has its own.
 [[maybe_unused]] static std::filesystem::path passFile(const char* name)
 {
     static const char here = 0;
@@ -56,7 +57,7 @@ struct PluginEntry {
 }  // namespace restirpg
 
 /// Export the class `Type` as the plugin of this shared library, with one sentence of what it does.
-#define RESTIRPG_PASS(Type, meaning)                                                                              \
-    extern "C" __attribute__((visibility("default"))) const ::restirpg::PluginEntry restirpgPlugin = {            \
-        ::restirpg::PLUGIN_ABI, #Type, meaning,                                                                   \
+#define RESTIRPG_PASS(Type, meaning)                                                                                   \
+    extern "C" __attribute__((visibility("default"))) const ::restirpg::PluginEntry restirpgPlugin = {                 \
+        ::restirpg::PLUGIN_ABI, #Type, meaning,                                                                        \
         []() -> std::unique_ptr<::restirpg::Pass> { return std::make_unique<Type>(); }, RESTIRPG_PASS_FOLDER};

@@ -41,11 +41,13 @@ const PluginEntry* load(const fs::path& library, const std::string& name)
     if (entry->abi != PLUGIN_ABI)
         fail("{}: built for plugin ABI {}, this framework has {}; rebuild the pass", library.string(), entry->abi,
              PLUGIN_ABI);
-    for (const auto& [there, what] : {std::pair(entry->name != nullptr, "a name"), {entry->meaning != nullptr, "a meaning"},
+    for (const auto& [there, what] : {std::pair(entry->name != nullptr, "a name"),
+                                      {entry->meaning != nullptr, "a meaning"},
                                       {entry->create != nullptr, "a function that creates the pass"},
                                       {entry->source != nullptr, "the folder of its source"}})
         if (!there)
-            fail("{}: its entry lacks {}; end its source with RESTIRPG_PASS({}, \"...\")", library.string(), what, name);
+            fail("{}: its entry lacks {}; end its source with RESTIRPG_PASS({}, \"...\")", library.string(), what,
+                 name);
     if (entry->name != name)
         fail("{}: it contains the pass '{}'; name the file {}{}.so", library.string(), entry->name, PREFIX,
              entry->name);

@@ -23,8 +23,8 @@ struct Plugin {
 /// A new pass and what it declares. Throws Error, without the pass's name, when the plugin's code does.
 std::pair<std::unique_ptr<Pass>, Interface> instantiate(const PluginEntry& entry);
 
-/// Run code of a plugin: whatever it throws arrives as an Error that begins with `label` and names what was asked of it, but for
-/// std::bad_alloc, which stays.
+/// Run code of a plugin: whatever it throws arrives as an Error that begins with `label` and names what was asked of
+/// it, but for std::bad_alloc, which stays.
 template <typename Action>
 auto runPlugin(const std::string& label, Action action)
 {
@@ -58,8 +58,8 @@ public:
 
     /// Loads the pass's library if need be. nullptr when there is no such pass or it cannot be loaded: see problem().
     const Plugin* find(const std::string& name) const;
-    /// What pictures depend on besides the framework itself: of each pass in the order of names(), its library, then the
-    /// folder of its kernels. Loads them all; what does not load is left out, for it cannot render.
+    /// What pictures depend on besides the framework itself: of each pass in the order of names(), its library, then
+    /// the folder of its kernels. Loads them all; what does not load is left out, for it cannot render.
     std::vector<std::filesystem::path> code() const;
     /// Why a pass that was found could not be loaded, naming its library and the mend; empty when nothing went wrong.
     std::string problem(const std::string& name) const;

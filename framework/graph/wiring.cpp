@@ -130,7 +130,8 @@ private:
             (settled[*indexOf(pass.interface.inputs(), name)] ? wired : missing).push_back(name);
         if (!wired.empty() && !missing.empty())
             mistakes_.add(pass.location,
-                          fmt::format("{} has '{}' wired, but not '{}'", label(pass), fmt::join(wired, "', '"), fmt::join(missing, "', '")),
+                          fmt::format("{} has '{}' wired, but not '{}'", label(pass), fmt::join(wired, "', '"),
+                                      fmt::join(missing, "', '")),
                           fmt::format("wire all of {}, or none", fmt::join(group, ", ")));
     }
 
@@ -159,8 +160,8 @@ private:
                           typeHelp(wanted.type));
         else if (wanted.moment == (port.delayed ? Moment::thisFrame : Moment::frameBefore))
             mistakes_.add(pass.location,
-                          fmt::format("input '{}' of {} takes what was made {}, but {} is of {}", wanted.name, label(pass),
-                                      port.delayed ? "in this frame" : "one frame ago", port.text(),
+                          fmt::format("input '{}' of {} takes what was made {}, but {} is of {}", wanted.name,
+                                      label(pass), port.delayed ? "in this frame" : "one frame ago", port.text(),
                                       port.delayed ? "the frame before" : "this frame"),
                           fmt::format("wire it to {}", DescribedPort{port.pass, port.output, !port.delayed}.text()));
         else

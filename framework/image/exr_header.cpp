@@ -29,11 +29,14 @@ constexpr size_t MAX_NAME = 255;
 
 /// Attributes that the library reads without looking at their size: with a wrong one it would go on reading elsewhere
 /// than here.
-const std::map<std::string, int32_t> FIXED_SIZES = {
-    {"box2i", 16}, {"box2f", 16},   {"chromaticities", 32}, {"compression", 1}, {"double", 8}, {"envmap", 1},
-    {"float", 4},  {"int", 4},      {"keycode", 28},        {"lineOrder", 1},   {"m33f", 36},  {"m33d", 72},
-    {"m44f", 64},  {"m44d", 128},   {"rational", 8},        {"tiledesc", 9},    {"timecode", 8}, {"v2i", 8},
-    {"v2f", 8},    {"v2d", 16},     {"v3i", 12},            {"v3f", 12},        {"v3d", 24},   {"deepImageState", 1}};
+const std::map<std::string, int32_t> FIXED_SIZES = {{"box2i", 16},      {"box2f", 16},   {"chromaticities", 32},
+                                                    {"compression", 1}, {"double", 8},   {"envmap", 1},
+                                                    {"float", 4},       {"int", 4},      {"keycode", 28},
+                                                    {"lineOrder", 1},   {"m33f", 36},    {"m33d", 72},
+                                                    {"m44f", 64},       {"m44d", 128},   {"rational", 8},
+                                                    {"tiledesc", 9},    {"timecode", 8}, {"v2i", 8},
+                                                    {"v2f", 8},         {"v2d", 16},     {"v3i", 12},
+                                                    {"v3f", 12},        {"v3d", 24},     {"deepImageState", 1}};
 
 class HeaderWalker {
 public:
@@ -137,7 +140,8 @@ private:
             expected = stream_.tellg() - begin;
         } else if (type == "preview") {
             const auto sides = read<std::array<uint32_t, 2>>();
-            expected = sides[0] <= MAX_IMAGE_SIDE && sides[1] <= MAX_IMAGE_SIDE ? 8 + 4 * int64_t(sides[0]) * sides[1] : -1;
+            expected =
+                sides[0] <= MAX_IMAGE_SIDE && sides[1] <= MAX_IMAGE_SIDE ? 8 + 4 * int64_t(sides[0]) * sides[1] : -1;
         }
         if (expected != size)
             damaged(fmt::format("an attribute of type {} claims {} bytes", type.substr(0, 32), size));

@@ -64,9 +64,15 @@ std::vector<std::string> findChannels(const Imf::ChannelList& channels, const st
     case Kind::rgb:
         names = {find({"R", "r", "red", "Red"}), find({"G", "g", "green", "Green"}), find({"B", "b", "blue", "Blue"})};
         break;
-    case Kind::luminanceChroma: names = {find({"Y"}), find({"RY"}), find({"BY"})}; break;
-    case Kind::vector: names = {find({"X"}), find({"Y"})}; break;
-    case Kind::luminance: names = {find({"Y", "y"})}; break;
+    case Kind::luminanceChroma:
+        names = {find({"Y"}), find({"RY"}), find({"BY"})};
+        break;
+    case Kind::vector:
+        names = {find({"X"}), find({"Y"})};
+        break;
+    case Kind::luminance:
+        names = {find({"Y", "y"})};
+        break;
     }
     return std::count(names.begin(), names.end(), "") ? std::vector<std::string>() : names;
 }
@@ -184,7 +190,8 @@ public:
     Reader(const fs::path& file, const Imf::MultiPartInputFile& input, const Choice& choice)
         : file_(file), choice_(choice), header_(input.header(choice.part)),
           row_(3 * (int64_t(header_.dataWindow().max.x) - header_.dataWindow().min.x + 1))
-    {}
+    {
+    }
 
     Image read(Imf::MultiPartInputFile& input)
     {

@@ -143,8 +143,8 @@ void readResolution(const fs::path& file, const std::string& line, Header& heade
 {
     std::array<char, 2> signs{}, axes{};
     std::array<int, 2> sizes{};
-    const int found = std::sscanf(line.c_str(), "%c%c %9d %c%c %9d", &signs[0], &axes[0], &sizes[0], &signs[1], &axes[1],
-                                  &sizes[1]);
+    const int found =
+        std::sscanf(line.c_str(), "%c%c %9d %c%c %9d", &signs[0], &axes[0], &sizes[0], &signs[1], &axes[1], &sizes[1]);
     const auto isSign = [](char c) { return c == '+' || c == '-'; };
     const bool axesGiven = (axes[0] == 'X' && axes[1] == 'Y') || (axes[0] == 'Y' && axes[1] == 'X');
     if (found != 6 || !axesGiven || !isSign(signs[0]) || !isSign(signs[1]))

@@ -36,12 +36,12 @@ enum class PixelType { half, full };
 void writeExr(const std::filesystem::path& file, const std::vector<Layer>& layers, PixelType type,
               const std::map<std::string, std::string>& attributes = {});
 
-/// Read the picture of an EXR's display window as 3 channels of linear Rec.709; what its data window leaves out is black.
-/// The picture is, of the first part that has it: R, G, B (upper or lower case), else Y, RY, BY, else X, Y and 0, else Y
-/// three times; without a `layer` and plain channels: the layer Combined or the only one with colours. `layer` may be a
-/// part's name. Half, float and unsigned integers are read as the numbers they are; attributes `chromaticities` and
-/// `adoptedNeutral` say what their colours are. Deep images, subsampled R, G, B, damaged, truncated or absurdly large
-/// files are one Error.
+/// Read the picture of an EXR's display window as 3 channels of linear Rec.709; what its data window leaves out is
+/// black. The picture is, of the first part that has it: R, G, B (upper or lower case), else Y, RY, BY, else X, Y and
+/// 0, else Y three times; without a `layer` and plain channels: the layer Combined or the only one with colours.
+/// `layer` may be a part's name. Half, float and unsigned integers are read as the numbers they are; attributes
+/// `chromaticities` and `adoptedNeutral` say what their colours are. Deep images, subsampled R, G, B, damaged,
+/// truncated or absurdly large files are one Error.
 Image readExr(const std::filesystem::path& file, const std::string& layer = "");
 
 /// String attributes of an EXR header.
@@ -66,8 +66,8 @@ struct DisplayTransform {
 /// rendering.
 void checkDisplay(const DisplayTransform& transform);
 
-/// An 8-bit PNG file's bytes of a 3-channel (or 1-channel) image. Pixels with a NaN or an infinity become black. Throws Error, of
-/// `place`, when the config, display or view is not there (naming the choices).
+/// An 8-bit PNG file's bytes of a 3-channel (or 1-channel) image. Pixels with a NaN or an infinity become black. Throws
+/// Error, of `place`, when the config, display or view is not there (naming the choices).
 std::string encodePng(const Image& image, const DisplayTransform& transform, const std::string& place);
 
 /// Write such a file, atomically. Throws Error when it cannot be written too.

@@ -18,8 +18,8 @@ constexpr uint64_t BYTES_PER_PIXEL_16 = 56;  ///< 8 bytes decoded, then as float
 constexpr uint64_t BYTES_PER_PIXEL_FLOAT = 60;  ///< 12 bytes decoded, then 16 each
 
 /// Pixels a byte of a file may stand for. The best codecs reach about 10,000 on a constant image, and small ones of
-/// these are in use. Nobody keeps a constant image of more than LARGE_IMAGE pixels (8192 x 8192): there more than 64 are
-/// a forged header or a decompression bomb. Real images have less than 10.
+/// these are in use. Nobody keeps a constant image of more than LARGE_IMAGE pixels (8192 x 8192): there more than 64
+/// are a forged header or a decompression bomb. Real images have less than 10.
 constexpr uint64_t MAX_PIXELS_PER_BYTE = 1ull << 14;
 constexpr uint64_t MAX_PIXELS_PER_BYTE_LARGE = 64;
 constexpr uint64_t LARGE_IMAGE = 1ull << 26;

@@ -29,10 +29,11 @@ double relative(double difference, double scale)
 Errors measureErrors(const Image& image, const Image& reference)
 {
     if (image.channels != 3 || reference.channels != 3)
-        failAs<WrongValue>("cannot compare images of {} and {} channels; both need 3", image.channels, reference.channels);
+        failAs<WrongValue>("cannot compare images of {} and {} channels; both need 3", image.channels,
+                           reference.channels);
     if (image.width != reference.width || image.height != reference.height)
-        failAs<WrongValue>("cannot compare a {}x{} image with a {}x{} reference; render at the reference's size", image.width,
-             image.height, reference.width, reference.height);
+        failAs<WrongValue>("cannot compare a {}x{} image with a {}x{} reference; render at the reference's size",
+                           image.width, image.height, reference.width, reference.height);
 
     const size_t pixels = size_t(image.width) * image.height;
     uint64_t valid = 0;

@@ -47,7 +47,7 @@ std::string chooseView(const ocio::Config& config, const std::string& file, cons
     const auto name = [&](int i) { return config.getView(display.c_str(), i); };
     if (count == 0)
         failAs<WrongValue>("{}: it has no display '{}'; choose from {}", file, display,
-             join(config.getNumDisplays(), [&](int i) { return config.getDisplay(i); }));
+                           join(config.getNumDisplays(), [&](int i) { return config.getDisplay(i); }));
     if (wanted.empty())
         return config.getDefaultView(display.c_str());
     for (int i = 0; i < count; ++i)
@@ -78,8 +78,8 @@ ocio::ConstCPUProcessorRcPtr makeProcessor(const DisplayTransform& transform)
 std::vector<float> exposed(const std::string& place, const Image& image, float stops)
 {
     if (image.empty() || (image.channels != 1 && image.channels != 3))
-        failAs<WrongValue>("{}: cannot write: a PNG is made of 1 or 3 channels, the image is {}x{}x{}", place, image.width, image.height,
-             image.channels);
+        failAs<WrongValue>("{}: cannot write: a PNG is made of 1 or 3 channels, the image is {}x{}x{}", place,
+                           image.width, image.height, image.channels);
     const float gain = std::exp2(stops);
     const size_t pixels = size_t(image.width) * image.height;
     std::vector<float> rgb(3 * pixels);

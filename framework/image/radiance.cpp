@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 constexpr float LARGEST_HALF = 65504;
 
 /// An infinity is a value that did not fit when the file was written: mostly a sun in half floats. It becomes the
-/// largest half float, or the largest value of the picture where that is larger. Before the conversion of colours, which
-/// would spread it over the other channels.
+/// largest half float, or the largest value of the picture where that is larger. Before the conversion of colours,
+/// which would spread it over the other channels.
 void saturate(const fs::path& file, Image& image)
 {
     float largest = LARGEST_HALF;
@@ -62,7 +62,8 @@ Image converted(const fs::path& file, StoredImage stored)
 Image readRadiance(const fs::path& file)
 {
     std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
     StoredImage stored = extension == ".hdr" ? readStoredHdr(file) : readStoredExr(file, "");
     if (!stored.colours)
         fail("{}: cannot read: it has channels X and Y but no colours; give an image with R, G and B", file.string());

@@ -21,7 +21,7 @@ Image toImage(const FloatArray& array, const std::string& what)
 {
     if ((array.ndim() != 2 && array.ndim() != 3) || array.size() == 0)
         failAs<WrongValue>("{} must be an array (H, W) or (H, W, C) with pixels, not of shape {}", what,
-             py::str(py::tuple(array.attr("shape"))).cast<std::string>());
+                           py::str(py::tuple(array.attr("shape"))).cast<std::string>());
     const auto channels = array.ndim() == 3 ? array.shape(2) : 1;
     return {uint32_t(array.shape(1)), uint32_t(array.shape(0)), uint32_t(channels),
             std::vector<float>(array.data(), array.data() + array.size())};
@@ -29,7 +29,8 @@ Image toImage(const FloatArray& array, const std::string& what)
 
 py::object toPython(const nlohmann::json& value)
 {
-    return py::module_::import("json").attr("loads")(value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+    return py::module_::import("json").attr("loads")(
+        value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
 }
 
 nlohmann::json toJson(const py::object& value)

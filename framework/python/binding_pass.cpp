@@ -9,7 +9,8 @@
 namespace restirpg::python {
 namespace {
 
-constexpr const char* DESCRIBE_PASS = R"(What a pass type declares, as a dictionary of meaning, inputs, outputs and knobs.
+constexpr const char* DESCRIBE_PASS =
+    R"(What a pass type declares, as a dictionary of meaning, inputs, outputs and knobs.
 
 inputs, outputs: a list of {name, type, channels, meaning}; channels: of a float image, 0 for another resource.
 knobs: a list of {name, type, default, minimum, maximum, choices, structural, meaning}; type: "bool", "int", "uint", "float",

@@ -65,7 +65,8 @@ constexpr const char* MOVE_NODE =
 node: its name, or its place in Scene.nodes where the name is empty or several have it. Column vectors: the translation is
 the last column.)";
 
-constexpr const char* SAVE = R"(Write outputs as one EXR, whose name ends in .exr: the first as R, G, B, the others as layers.
+constexpr const char* SAVE =
+    R"(Write outputs as one EXR, whose name ends in .exr: the first as R, G, B, the others as layers.
 
 half: half floats. output: write only this one, or only those of a list. The header carries the graph, its knobs, seed, frames, scene, device and
 commit.)";
@@ -80,15 +81,14 @@ nlohmann::json describe(const py::object& graph)
     if (py::isinstance<py::dict>(graph))
         return toJson(graph);
     failAs<WrongValue>("{} is no graph; give what load_graph returns, a restirpg.Graph or a dictionary",
-         py::repr(graph).cast<std::string>());
+                       py::repr(graph).cast<std::string>());
 }
 
-std::unique_ptr<SharedRenderer> makeRenderer(const std::shared_ptr<Scene>& scene, const py::object& graph,
-                                             const std::pair<uint32_t, uint32_t>& size, uint32_t seed,
-                                             const std::optional<py::object>& device,
-                                             const std::optional<std::string>& backend, bool validation, float fps,
-                                             float time, bool energyCompensation, const std::vector<std::string>& outputs,
-                                             const std::optional<std::array<uint32_t, 4>>& window)
+std::unique_ptr<SharedRenderer>
+makeRenderer(const std::shared_ptr<Scene>& scene, const py::object& graph, const std::pair<uint32_t, uint32_t>& size,
+             uint32_t seed, const std::optional<py::object>& device, const std::optional<std::string>& backend,
+             bool validation, float fps, float time, bool energyCompensation, const std::vector<std::string>& outputs,
+             const std::optional<std::array<uint32_t, 4>>& window)
 {
     RendererOptions options;
     options.width = size.first;
@@ -123,7 +123,8 @@ template <typename Result, typename... Arguments>
 auto shared(Result (Renderer::*member)(Arguments...) const)
 {
     return [member](SharedRenderer& shared, std::decay_t<Arguments>... arguments) {
-        return shared.run([&](const Renderer& renderer) -> std::decay_t<Result> { return (renderer.*member)(arguments...); });
+        return shared.run(
+            [&](const Renderer& renderer) -> std::decay_t<Result> { return (renderer.*member)(arguments...); });
     };
 }
 
@@ -186,18 +187,19 @@ void moveNode(SharedRenderer& shared, const std::variant<size_t, std::string>& n
 {
     if (matrix.ndim() != 2 || matrix.shape(0) != 4 || matrix.shape(1) != 4)
         failAs<WrongValue>("a node is moved by a matrix (4, 4), not by an array of shape {}",
-             py::str(py::tuple(matrix.attr("shape"))).cast<std::string>());
+                           py::str(py::tuple(matrix.attr("shape"))).cast<std::string>());
     glm::mat4 local;
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 4; ++column)
             local[column][row] = matrix.at(row, column);
-    shared.run([&](Renderer& renderer) { std::visit([&](const auto& which) { renderer.moveNode(which, local); }, node); });
+    shared.run(
+        [&](Renderer& renderer) { std::visit([&](const auto& which) { renderer.moveNode(which, local); }, node); });
 }
 
 py::dict deviceInfo(SharedRenderer& shared)
 {
-    const auto [device, backend] =
-        shared.run([](Renderer& renderer) { return std::pair(renderer.device().description(), renderer.device().backend()); });
+    const auto [device, backend] = shared.run(
+        [](Renderer& renderer) { return std::pair(renderer.device().description(), renderer.device().backend()); });
     py::dict result;
     result["name"] = device.name;
     result["driver"] = device.driver;
@@ -224,15 +226,17 @@ void bindKnobs(py::class_<SharedRenderer>& renderer)
             "knobs", [](SharedRenderer& r) { return toPython(shared(&Renderer::knobs)(r)); },
             "All knobs: {pass: {knob: value}}.")
         .def(
-            "get", [](SharedRenderer& r, const std::string& knob) { return toPython(shared(&Renderer::knob)(r, knob)); },
+            "get",
+            [](SharedRenderer& r, const std::string& knob) { return toPython(shared(&Renderer::knob)(r, knob)); },
             "Value of the knob \"pass.knob\".", "knob"_a)
         .def(
             "set",
             [](SharedRenderer& r, const std::string& knob, const py::object& value) {
-                shared(&Renderer::setKnob)(r, knob, toJson(value));
+                shared (&Renderer::setKnob)(r, knob, toJson(value));
             },
             "Set the knob \"pass.knob\". One that changes kernels or buffers rebuilds its pass, which is a cut. Raises "
-            "Error for a wrong name, type, range or choice, or when the pass cannot be built so; all is as before then.",
+            "Error for a wrong name, type, range or choice, or when the pass cannot be built so; all is as before "
+            "then.",
             "knob"_a, "value"_a)
         .def(
             "set_everywhere",
@@ -256,7 +260,8 @@ void bindMotion(py::class_<SharedRenderer>& renderer)
 void bindMeasurements(py::class_<SharedRenderer>& renderer)
 {
     renderer.def("gpu_times", shared(&Renderer::gpuTimes), "GPU time of the last frame: {pass: ms}.")
-        .def("total_gpu_times", shared(&Renderer::totalGpuTimes), "GPU time of all frames since the last cut: {pass: ms}.")
+        .def("total_gpu_times", shared(&Renderer::totalGpuTimes),
+             "GPU time of all frames since the last cut: {pass: ms}.")
         .def("memory", shared(&Renderer::memory), "Device memory: {\"scene\" or \"pass.output\": bytes}.")
         .def_property_readonly("device_info", &deviceInfo,
                                "The device: a dictionary of name, driver, type and backend.");
@@ -269,9 +274,9 @@ void bindRenderer(py::module_& module)
     using namespace py::literals;
     py::class_<SharedRenderer> renderer(module, "Renderer", RENDERER);
     renderer
-        .def(py::init(&makeRenderer), py::arg("scene").none(false), "graph"_a, "size"_a, "seed"_a = 0, "device"_a = py::none(),
-             "backend"_a = py::none(), "validation"_a = false, "fps"_a = 0.0f, "time"_a = 0.0f, "energy_compensation"_a = false,
-             "outputs"_a = std::vector<std::string>(), "window"_a = py::none())
+        .def(py::init(&makeRenderer), py::arg("scene").none(false), "graph"_a, "size"_a, "seed"_a = 0,
+             "device"_a = py::none(), "backend"_a = py::none(), "validation"_a = false, "fps"_a = 0.0f, "time"_a = 0.0f,
+             "energy_compensation"_a = false, "outputs"_a = std::vector<std::string>(), "window"_a = py::none())
         .def("render", &render, RENDER, "frames"_a = 1)
         .def_property_readonly("frame", shared(&Renderer::frame), "Frames rendered since the last cut.")
         .def_property_readonly(
@@ -290,11 +295,12 @@ void bindRenderer(py::module_& module)
             "(x, y, width, height) of what is rendered of the picture: outputs have its size.")
         .def("move_window", shared(&Renderer::moveWindow), MOVE_WINDOW, "x"_a, "y"_a)
         .def_property(
-            "seed", [](SharedRenderer& r) { return shared(&Renderer::options)(r).seed; }, shared(&Renderer::setSeed), SEED)
+            "seed", [](SharedRenderer& r) { return shared(&Renderer::options)(r).seed; }, shared(&Renderer::setSeed),
+            SEED)
         .def(
             "output",
-            [](SharedRenderer& r, const std::string& name) { return toArray(shared(&Renderer::output)(r, name)); }, OUTPUT,
-            "name"_a)
+            [](SharedRenderer& r, const std::string& name) { return toArray(shared(&Renderer::output)(r, name)); },
+            OUTPUT, "name"_a)
         .def_property_readonly("output_names", shared(&Renderer::outputNames),
                                "Names of the graph's outputs; the first is the picture.")
         .def("read_port", &readPort, READ_PORT, "port"_a)

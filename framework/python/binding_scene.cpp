@@ -34,7 +34,7 @@ std::shared_ptr<Scene> loadScene(const fs::path& file, uint32_t camera, const st
         scene->environment = loadEnvironment(*environment);
     if (camera >= scene->cameras.size())
         failAs<WrongValue>("{}: there is no camera {}; the scene has {}, counted from 0", file.string(), camera,
-             scene->cameras.size());
+                           scene->cameras.size());
     scene->camera = camera;
     return scene;
 }
@@ -92,9 +92,10 @@ void bindScene(py::module_& module)
         .def_readonly("hash", &Scene::hash, "Content hash of the file and all it refers to, 16 hexadecimal digits.")
         .def_readonly("bounce_cap", &Scene::bounceCap, "The scene's own bounce cap, or None.")
         .def_readonly("duration", &Scene::duration, "End of the last animation key, s.")
-        .def_property_readonly("animation_keys", &animationKeys,
-                               "Of each animation channel: (time of its first key, of its last, s; whether it jumps from one "
-                               "value to another at its last key and moves at no other time).")
+        .def_property_readonly(
+            "animation_keys", &animationKeys,
+            "Of each animation channel: (time of its first key, of its last, s; whether it jumps from one "
+            "value to another at its last key and moves at no other time).")
         .def_property_readonly("triangles", &Scene::instancedTriangleCount,
                                "Number of triangles, each instance counted.")
         .def_property_readonly(
@@ -118,9 +119,11 @@ void bindScene(py::module_& module)
         "load_graph", [](const fs::path& file) { return GraphDescription{readGraphFile(file)}; }, LOAD_GRAPH, "file"_a,
         py::call_guard<py::gil_scoped_release>());
 
-    module.def("code_paths", &codePaths,
-               "Files and folders of code that pictures depend on, where this process takes them from: the framework's library, "
-               "its shaders (RESTIRPG_SHADERS), and of each pass (RESTIRPG_PLUGIN_PATH) the library and its kernels' folder.");
+    module.def(
+        "code_paths", &codePaths,
+        "Files and folders of code that pictures depend on, where this process takes them from: the framework's "
+        "library, "
+        "its shaders (RESTIRPG_SHADERS), and of each pass (RESTIRPG_PLUGIN_PATH) the library and its kernels' folder.");
 
     module.def("devices", &devices,
                "Every Vulkan device: a list of {name, driver, type, ray_query, missing}. A device is usable when "

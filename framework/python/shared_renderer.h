@@ -14,7 +14,8 @@
 
 namespace restirpg::python {
 
-/// A lock that is given in the order in which it was asked for: a thread that renders frame after frame would never let another in.
+/// A lock that is given in the order in which it was asked for: a thread that renders frame after frame would never let
+/// another in.
 class FairMutex {
 public:
     void lock()
@@ -39,8 +40,8 @@ private:
     uint64_t serving_ = 0;
 };
 
-/// Calls take turns. Each runs without the interpreter's lock, and never asks for it while it has the renderer's: no two locks are
-/// waited for at once.
+/// Calls take turns. Each runs without the interpreter's lock, and never asks for it while it has the renderer's: no
+/// two locks are waited for at once.
 class SharedRenderer {
 public:
     explicit SharedRenderer(std::unique_ptr<Renderer> renderer) : renderer_(std::move(renderer)) {}
@@ -56,7 +57,8 @@ public:
     auto run(Action action)
     {
         if (!isOwn())
-            fail("a renderer cannot be used in a forked process; start processes by multiprocessing.get_context(\"spawn\") and make a "
+            fail("a renderer cannot be used in a forked process; start processes by "
+                 "multiprocessing.get_context(\"spawn\") and make a "
                  "renderer in each");
         pybind11::gil_scoped_release release;
         std::lock_guard turn(mutex_);

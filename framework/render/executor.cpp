@@ -59,7 +59,8 @@ void Executor::cut()
 void Executor::setKnob(GraphPass& pass, const std::string& knob, const nlohmann::json& value)
 {
     const auto& knobs = pass.interface.knobs();
-    const auto index = std::find_if(knobs.begin(), knobs.end(), [&](const Knob& k) { return k.name == knob; }) - knobs.begin();
+    const auto index =
+        std::find_if(knobs.begin(), knobs.end(), [&](const Knob& k) { return k.name == knob; }) - knobs.begin();
     const auto set = [&](GraphPass& target) {
         runPlugin(label(pass) + ": ", [&] { target.interface.knobs()[index].set(value); });
     };
@@ -74,7 +75,8 @@ void Executor::setKnob(GraphPass& pass, const std::string& knob, const nlohmann:
     cut();
 }
 
-/// Give the outputs that follow the size of an input their new size. Passes learn such sizes as they record, so none is built anew.
+/// Give the outputs that follow the size of an input their new size. Passes learn such sizes as they record, so none is
+/// built anew.
 void Executor::followSizes()
 {
     for (auto& resource : resources_) {
@@ -165,8 +167,9 @@ void Executor::readTimes()
 {
     const auto& order = graph_->order();
     std::vector<uint64_t> stamps(2 * order.size());
-    check(vkGetQueryPoolResults(device_.handle(), queries_, 0, uint32_t(stamps.size()), stamps.size() * sizeof(uint64_t),
-                                stamps.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+    check(vkGetQueryPoolResults(device_.handle(), queries_, 0, uint32_t(stamps.size()),
+                                stamps.size() * sizeof(uint64_t), stamps.data(), sizeof(uint64_t),
+                                VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
           "vkGetQueryPoolResults");
     for (size_t i = 0; i < order.size(); ++i) {
         const std::string& name = graph_->passes()[order[i]].name;

@@ -16,7 +16,8 @@ namespace restirpg {
 class Executor {
 public:
     /// Build every live pass and allocate the graph's resources for the image size.
-    Executor(Device& device, std::unique_ptr<Graph> graph, uint32_t width, uint32_t height, const CompileProgress& progress);
+    Executor(Device& device, std::unique_ptr<Graph> graph, uint32_t width, uint32_t height,
+             const CompileProgress& progress);
     ~Executor();
     Executor(const Executor&) = delete;
     Executor& operator=(const Executor&) = delete;
@@ -28,8 +29,8 @@ public:
     void cut();
     uint32_t frame() const { return frame_; }  ///< frames run since the last cut
 
-    /// Set a knob of a pass. A structural one builds a new instance with new outputs, which takes the pass's place and implies a cut;
-    /// when that fails, nothing has changed.
+    /// Set a knob of a pass. A structural one builds a new instance with new outputs, which takes the pass's place and
+    /// implies a cut; when that fails, nothing has changed.
     void setKnob(GraphPass& pass, const std::string& knob, const nlohmann::json& value);
 
     Graph& graph() { return *graph_; }

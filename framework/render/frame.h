@@ -28,7 +28,8 @@ public:
     void dispatch(const Kernel& kernel, const Parameters& parameters, uint32_t width, uint32_t height = 1,
                   uint32_t depth = 1)
     {
-        static_assert(sizeof(Parameters) <= MAX_PARAMETER_BYTES, "parameters are push constants: put large tables in a buffer");
+        static_assert(sizeof(Parameters) <= MAX_PARAMETER_BYTES,
+                      "parameters are push constants: put large tables in a buffer");
         barrier();
         kernel.dispatch(commands_, &parameters, sizeof(Parameters), width, height, depth);
     }

@@ -25,7 +25,8 @@ glm::mat4 lookMatrix(const CameraPose& pose)
     const glm::vec3 back = pose.position - pose.target;
     const glm::vec3 right = glm::cross(pose.up, back);
     if (!(glm::length(back) > 0) || !(glm::length(right) > 0))
-        failAs<WrongValue>("the camera's target and up direction do not span a view; move the target away from the position and up out of line");
+        failAs<WrongValue>("the camera's target and up direction do not span a view; move the target away from the "
+                           "position and up out of line");
     const glm::vec3 z = glm::normalize(back), x = glm::normalize(right);
     return glm::mat4(glm::vec4(x, 0), glm::vec4(glm::cross(z, x), 0), glm::vec4(z, 0), glm::vec4(pose.position, 1));
 }
@@ -47,21 +48,24 @@ void checkWindow(const Window& window, const RendererOptions& options)
     const bool inside = window.width >= 1 && window.height >= 1 && uint64_t(window.x) + window.width <= options.width &&
                         uint64_t(window.y) + window.height <= options.height;
     if (!inside)
-        failAs<WrongValue>("a window of {}x{} pixels at {},{} does not lie in the picture of {}x{}", window.width, window.height, window.x,
-                           window.y, options.width, options.height);
+        failAs<WrongValue>("a window of {}x{} pixels at {},{} does not lie in the picture of {}x{}", window.width,
+                           window.height, window.x, window.y, options.width, options.height);
 }
 
 void checkOptions(const RendererOptions& options)
 {
     constexpr uint32_t LARGEST = 16384;
     if (options.width < 1 || options.height < 1 || options.width > LARGEST || options.height > LARGEST)
-        failAs<WrongValue>("an image of {}x{} pixels cannot be rendered; each side is 1 to {}", options.width, options.height, LARGEST);
+        failAs<WrongValue>("an image of {}x{} pixels cannot be rendered; each side is 1 to {}", options.width,
+                           options.height, LARGEST);
     if (options.window)
         checkWindow(*options.window, options);
     checkTime(options.time);
     constexpr float SLOWEST = 1e-6f;  // frames a second: a frame still takes finite time
-    if (!std::isfinite(options.framesPerSecond) || (options.framesPerSecond != 0 && !(options.framesPerSecond >= SLOWEST)))
-        failAs<WrongValue>("{} frames a second: must be 0, where the scene stands still, or finite and at least {}", options.framesPerSecond, SLOWEST);
+    if (!std::isfinite(options.framesPerSecond) ||
+        (options.framesPerSecond != 0 && !(options.framesPerSecond >= SLOWEST)))
+        failAs<WrongValue>("{} frames a second: must be 0, where the scene stands still, or finite and at least {}",
+                           options.framesPerSecond, SLOWEST);
 }
 
 }  // namespace
@@ -73,7 +77,8 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::unique_ptr<Graph> gr
     device_ = std::make_unique<Device>(options_.device);
     sceneGpu_ = std::make_unique<SceneGpu>(*device_, *scene_, poseNodes(*scene_, time_, overrides_),
                                            options_.energyCompensation);
-    executor_ = std::make_unique<Executor>(*device_, std::move(graph), window().width, window().height, options_.compiling);
+    executor_ =
+        std::make_unique<Executor>(*device_, std::move(graph), window().width, window().height, options_.compiling);
 }
 
 Renderer::~Renderer() = default;
@@ -128,19 +133,23 @@ void Renderer::render(uint32_t frames)
 Image Renderer::output(const std::string& name)
 {
     const auto& outputs = graph().outputs();
-    const auto found = std::find_if(outputs.begin(), outputs.end(), [&](const auto& output) { return output.name == name; });
+    const auto found =
+        std::find_if(outputs.begin(), outputs.end(), [&](const auto& output) { return output.name == name; });
     if (found == outputs.end())
-        failAs<WrongValue>("graph '{}' has no output '{}'; it has: {}; ports of passes are read where the renderer was made with outputs=[\"{}\"]",
+        failAs<WrongValue>("graph '{}' has no output '{}'; it has: {}; ports of passes are read where the renderer was "
+                           "made with outputs=[\"{}\"]",
                            graph().name(), name, fmt::join(outputNames(), ", "), name);
     const auto& pass = graph().passes()[found->pass];
     const auto& port = pass.interface.outputs()[found->output];
     if (port.type.channels == 0)
-        failAs<WrongValue>("output '{}' ({}.{}) is a {}, no image; read it with read_port", name, pass.name, port.name, port.type.name);
+        failAs<WrongValue>("output '{}' ({}.{}) is a {}, no image; read it with read_port", name, pass.name, port.name,
+                           port.type.name);
     if (frame() == 0)
         fail("output '{}' is not there yet; render at least one frame first", name);
     Image image{window().width, window().height, port.type.channels, {}};
     image.data.resize(size_t(image.width) * image.height * image.channels);
-    device_->download(*executor_->latest(found->pass, found->output), image.data.data(), image.data.size() * sizeof(float));
+    device_->download(*executor_->latest(found->pass, found->output), image.data.data(),
+                      image.data.size() * sizeof(float));
     return image;
 }
 
@@ -162,8 +171,8 @@ std::vector<uint8_t> Renderer::readPort(const std::string& path)
                 continue;
             const Buffer* buffer = executor_->latest(p, o);
             if (!buffer)
-                fail("port '{}' is read by nobody in graph '{}', so it is not made; name it as an output of the graph", path,
-                     graph().name());
+                fail("port '{}' is read by nobody in graph '{}', so it is not made; name it as an output of the graph",
+                     path, graph().name());
             if (frame() == 0)
                 fail("port '{}' is not there yet; render at least one frame first", path);
             return device_->download<uint8_t>(*buffer, ports[o].type.bytes(window().width, window().height));
@@ -199,19 +208,23 @@ void Renderer::moveNode(const std::string& name, const glm::mat4& local)
     if (places.empty())
         failAs<WrongValue>("{}: no node is named '{}'", scene_->file.string(), name);
     if (places.size() > 1)
-        failAs<WrongValue>("{}: {} nodes are named '{}'; name one by its place among the scene's nodes: {}", scene_->file.string(), places.size(),
-             name, fmt::join(places.begin(), places.begin() + std::min<ptrdiff_t>(ptrdiff_t(places.size()), 10), ", "));
+        failAs<WrongValue>(
+            "{}: {} nodes are named '{}'; name one by its place among the scene's nodes: {}", scene_->file.string(),
+            places.size(), name,
+            fmt::join(places.begin(), places.begin() + std::min<ptrdiff_t>(ptrdiff_t(places.size()), 10), ", "));
     moveNode(places.front(), local);
 }
 
 void Renderer::moveNode(size_t node, const glm::mat4& local)
 {
     if (node >= overrides_.size())
-        failAs<WrongValue>("{}: there is no node {}; the scene has {}, counted from 0", scene_->file.string(), node, overrides_.size());
+        failAs<WrongValue>("{}: there is no node {}; the scene has {}, counted from 0", scene_->file.string(), node,
+                           overrides_.size());
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row)
             if (!std::isfinite(local[column][row]))
-                failAs<WrongValue>("node {} '{}' cannot be moved by a matrix with NaN or infinity", node, scene_->nodes[node].name);
+                failAs<WrongValue>("node {} '{}' cannot be moved by a matrix with NaN or infinity", node,
+                                   scene_->nodes[node].name);
     overrides_[node] = local;
 }
 

@@ -1,4 +1,5 @@
-// A scene, a graph and a device, rendering frame by frame. The command line, Python and the benchmarks all go through it.
+// A scene, a graph and a device, rendering frame by frame. The command line, Python and the benchmarks all go through
+// it.
 #pragma once
 
 #include "gpu/device.h"
@@ -31,7 +32,8 @@ struct RendererOptions {
     float framesPerSecond = 0;  ///< 0: the scene stands still
     bool energyCompensation = false;  ///< rough surfaces give back what single scattering loses
     DeviceOptions device;
-    CompileProgress compiling;  ///< called while the graph's kernels are compiled: seconds each, when they are not in the cache
+    /// Called while the graph's kernels are compiled: seconds each, when they are not in the cache
+    CompileProgress compiling;
 };
 
 /// Where the camera stands, for users. `target` is a point looked at.
@@ -54,10 +56,12 @@ public:
     void render(uint32_t frames = 1);
     uint32_t frame() const;  ///< frames rendered since the last cut
 
-    /// An output of the graph as a float image. Throws Error when there is no such output, when it is no image, or before the first frame.
+    /// An output of the graph as a float image. Throws Error when there is no such output, when it is no image, or
+    /// before the first frame.
     Image output(const std::string& name);
     std::vector<std::string> outputNames() const;
-    /// The raw bytes of a port "pass.output" that somebody reads, as the last frame left it. For tests and tools. Throws as output().
+    /// The raw bytes of a port "pass.output" that somebody reads, as the last frame left it. For tests and tools.
+    /// Throws as output().
     std::vector<uint8_t> readPort(const std::string& port);
 
     nlohmann::json knobs() const;  ///< {"pass": {"knob": value}}
@@ -67,14 +71,15 @@ public:
 
     CameraPose camera() const;
     void moveCamera(const CameraPose& pose);
-    /// Give the node a local matrix (relative to its parent), from the next frame on. Throws Error when no node, or more than one, has
-    /// that name; names can be empty.
+    /// Give the node a local matrix (relative to its parent), from the next frame on. Throws Error when no node, or
+    /// more than one, has that name; names can be empty.
     void moveNode(const std::string& name, const glm::mat4& local);
     /// The same by the node's place in Scene::nodes.
     void moveNode(size_t node, const glm::mat4& local);
     void setTime(float seconds);
-    /// Other random numbers from the next frame on. Cut as well: paths of the history replay the numbers of their own seed. After both
-    /// the frames are those of a new renderer of that seed, byte for byte, where scene time and poses are the same too and no node has moved.
+    /// Other random numbers from the next frame on. Cut as well: paths of the history replay the numbers of their own
+    /// seed. After both the frames are those of a new renderer of that seed, byte for byte, where scene time and poses
+    /// are the same too and no node has moved.
     void setSeed(uint32_t seed) { options_.seed = seed; }
     /// Render another part of the picture, of the same size, from the next frame on. A cut: history is of other pixels.
     void moveWindow(uint32_t x, uint32_t y);
@@ -94,10 +99,13 @@ public:
     Device& device() { return *device_; }
     const RendererOptions& options() const { return options_; }
 
-    /// What an EXR header carries: graph JSON, knobs, seed, frames, size, scene file and hash, device, driver, back end, commit.
+    /// What an EXR header carries: graph JSON, knobs, seed, frames, size, scene file and hash, device, driver, back
+    /// end, commit.
     std::map<std::string, std::string> provenance() const;
-    /// Write outputs as one EXR: the first plain, the others as layers. `only`: these, which must be images; empty: all that are images.
-    void save(const std::filesystem::path& file, PixelType type = PixelType::full, const std::vector<std::string>& only = {});
+    /// Write outputs as one EXR: the first plain, the others as layers. `only`: these, which must be images; empty: all
+    /// that are images.
+    void save(const std::filesystem::path& file, PixelType type = PixelType::full,
+              const std::vector<std::string>& only = {});
 
 private:
     void updateScene();

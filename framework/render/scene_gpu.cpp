@@ -13,9 +13,12 @@ namespace {
 uint32_t wrapMode(Texture::Wrap wrap)
 {
     switch (wrap) {
-    case Texture::Wrap::mirroredRepeat: return TEXTURE_MIRROR;
-    case Texture::Wrap::clampToEdge: return TEXTURE_CLAMP;
-    default: return TEXTURE_REPEAT;
+    case Texture::Wrap::mirroredRepeat:
+        return TEXTURE_MIRROR;
+    case Texture::Wrap::clampToEdge:
+        return TEXTURE_CLAMP;
+    default:
+        return TEXTURE_REPEAT;
     }
 }
 
@@ -32,7 +35,8 @@ uint64_t shapeOf(const Texture& texture)
 std::vector<TextureRef> mapsOf(const Material& m)
 {
     std::vector<TextureRef> maps;
-    for (const auto& map : {m.baseColorMap, m.metallicRoughnessMap, m.normalMap, m.transmissionMap, m.specularMap, m.specularColorMap})
+    for (const auto& map :
+         {m.baseColorMap, m.metallicRoughnessMap, m.normalMap, m.transmissionMap, m.specularMap, m.specularColorMap})
         if (map.index != INVALID_INDEX)
             maps.push_back(map);
     return maps;
@@ -43,7 +47,7 @@ bool readsExtras(const Material& material)
 {
     const auto maps = mapsOf(material);
     return material.normalMap.index != INVALID_INDEX ||
-        std::any_of(maps.begin(), maps.end(), [](const TextureRef& map) { return map.uvSet != 0; });
+           std::any_of(maps.begin(), maps.end(), [](const TextureRef& map) { return map.uvSet != 0; });
 }
 
 bool isColored(std::span<const VertexAttributes> attributes, const glm::uvec3& corners)
@@ -145,8 +149,9 @@ void SceneGpu::createAcceleration()
         const bool masked = std::any_of(first, first + mesh.triangleCount, [&](uint32_t material) {
             return scene_.materials[material].flags & MATERIAL_ALPHA_MASK;
         });
-        meshes.push_back({table_.vertices + mesh.firstVertex * sizeof(MeshVertex), indices + mesh.firstTriangle * sizeof(glm::uvec3),
-                          mesh.vertexCount, mesh.triangleCount, !masked});
+        meshes.push_back({table_.vertices + mesh.firstVertex * sizeof(MeshVertex),
+                          indices + mesh.firstTriangle * sizeof(glm::uvec3), mesh.vertexCount, mesh.triangleCount,
+                          !masked});
     }
     acceleration_ = std::make_unique<AccelerationStructures>(device_, meshes);
 }
@@ -178,7 +183,8 @@ void SceneGpu::placeInstances(const std::vector<glm::mat4>& pose)
     for (const auto& node : scene_.instances) {
         const auto& mesh = scene_.meshes[node.mesh];
         const glm::mat4x3 toWorld(pose[node.node]);
-        instances_.push_back({toWorld, mesh.firstTriangle, mesh.triangleCount, INVALID_INDEX, glm::determinant(glm::mat3(toWorld)) < 0});
+        instances_.push_back(
+            {toWorld, mesh.firstTriangle, mesh.triangleCount, INVALID_INDEX, glm::determinant(glm::mat3(toWorld)) < 0});
         previousPoses_.push_back(toWorld);
         meshOfInstance_.push_back(node.mesh);
         bounds_.push_back(boundsOf(meshOfInstance_.size() - 1));
@@ -212,8 +218,8 @@ SceneGpu::Sphere SceneGpu::boundingSphere() const
     return {0.5f * (box.lower + box.upper), std::max(0.5f * glm::distance(box.lower, box.upper), 1e-6f)};
 }
 
-/// What kernels measure cells and distances by has to stand still while nodes move: keys of cells and stored paths depend on it. It
-/// follows only when the scene has left it, or has shrunk in it.
+/// What kernels measure cells and distances by has to stand still while nodes move: keys of cells and stored paths
+/// depend on it. It follows only when the scene has left it, or has shrunk in it.
 void SceneGpu::followScene(const Sphere& sphere)
 {
     constexpr float LARGER = 0.5f * POSITION_EXTENT, SMALLER = 0.25f;

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "gpu/accel.h"
-#include "gpu/bvh.h"
 #include "gpu/binding_set.h"
+#include "gpu/bvh.h"
 #include "render/software_tracing.h"
 #include "scene/lights.h"
 #include "scene/scene.h"
@@ -17,8 +17,8 @@ namespace restirpg {
 
 class SceneGpu {
 public:
-    /// Upload the scene as it stands at `pose` (world matrices, in the order of Scene::nodes). With energy compensation, kernels built
-    /// from now on give rough surfaces the light back that single scattering loses.
+    /// Upload the scene as it stands at `pose` (world matrices, in the order of Scene::nodes). With energy
+    /// compensation, kernels built from now on give rough surfaces the light back that single scattering loses.
     SceneGpu(Device& device, const Scene& scene, const std::vector<glm::mat4>& pose, bool energyCompensation = false);
 
     /// Move instances and lights to a new pose and bring the acceleration structure up to date. What moved in the call

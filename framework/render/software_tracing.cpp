@@ -13,7 +13,8 @@ Box transformBox(const Box& box, const glm::mat4x3& toWorld)
 {
     Box world;
     for (int corner = 0; corner < 8; ++corner) {
-        const glm::vec3 p(glm::dmat4x3(toWorld) * glm::dvec4(corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,
+        const glm::vec3 p(glm::dmat4x3(toWorld) * glm::dvec4(corner & 1 ? box.upper.x : box.lower.x,
+                                                             corner & 2 ? box.upper.y : box.lower.y,
                                                              corner & 4 ? box.upper.z : box.lower.z, 1));
         const glm::vec3 rounding = 0x1p-23f * glm::abs(p);
         world.extend(p - rounding);
@@ -35,7 +36,8 @@ void put(Device& device, Buffer& buffer, const Range& contents, const char* name
 }  // namespace
 
 SoftwareTracing::SoftwareTracing(Device& device, const Scene& scene, std::span<const Instance> instances)
-    : device_(device), scene_(scene), meshes_(scene.meshes.size()), batched_(instances.size()), batchPose_(instances.size())
+    : device_(device), scene_(scene), meshes_(scene.meshes.size()), batched_(instances.size()),
+      batchPose_(instances.size())
 {
     std::vector<uint32_t> uses(scene.meshes.size());
     for (const auto& instance : scene.instances)
@@ -46,7 +48,8 @@ SoftwareTracing::SoftwareTracing(Device& device, const Scene& scene, std::span<c
         if (uses[scene.instances[i].mesh] > 1 && !animated[scene.instances[i].node])
             copied += scene.meshes[scene.instances[i].mesh].triangleCount;
     for (size_t i = 0; i < instances.size(); ++i)
-        batched_[i] = (uses[scene.instances[i].mesh] == 1 || copied <= COPIED_TRIANGLES) && !animated[scene.instances[i].node];
+        batched_[i] =
+            (uses[scene.instances[i].mesh] == 1 || copied <= COPIED_TRIANGLES) && !animated[scene.instances[i].node];
     buildBatch(instances);
     update(instances);
 }
@@ -67,8 +70,10 @@ void SoftwareTracing::appendTriangles(std::vector<SourceTriangle>& triangles, ui
 SoftwareTracing::Hierarchy SoftwareTracing::build(std::span<const SourceTriangle> triangles, const std::string& name)
 {
     const auto bvh = buildTriangleBvh(triangles);
-    Hierarchy hierarchy{device_.createBuffer(bvh.nodes, name + " nodes"), device_.createBuffer(bvh.triangles, name + " triangles"),
-                        bvh.grid, {}};
+    Hierarchy hierarchy{device_.createBuffer(bvh.nodes, name + " nodes"),
+                        device_.createBuffer(bvh.triangles, name + " triangles"),
+                        bvh.grid,
+                        {}};
     for (const auto& triangle : triangles)
         for (const auto& corner : triangle.corners)
             hierarchy.bounds.extend(corner);
@@ -111,7 +116,8 @@ void SoftwareTracing::update(std::span<const Instance> instances)
     std::vector<BvhObject> objects;
     std::vector<Box> boxes;
     if (batch_.nodes) {
-        objects.push_back({batch_.nodes.address(), batch_.triangles.address(), glm::mat4x3(1), batch_.grid, INVALID_INDEX, batchMasked_});
+        objects.push_back({batch_.nodes.address(), batch_.triangles.address(), glm::mat4x3(1), batch_.grid,
+                           INVALID_INDEX, batchMasked_});
         boxes.push_back(batch_.bounds);
     }
     for (uint32_t i = 0; i < instances.size(); ++i) {

@@ -13,8 +13,8 @@ std::vector<AliasColumn> buildAliasTable(std::span<const double> weights, std::v
     double sum = 0;
     for (const double weight : weights)
         sum += weight;
-    if (weights.empty() || weights.size() > std::numeric_limits<uint32_t>::max() || !(sum > 0) || !std::isfinite(sum)
-        || *std::min_element(weights.begin(), weights.end()) < 0)
+    if (weights.empty() || weights.size() > std::numeric_limits<uint32_t>::max() || !(sum > 0) || !std::isfinite(sum) ||
+        *std::min_element(weights.begin(), weights.end()) < 0)
         fail("alias table: weights must be finite, at least 0 and not all 0");
 
     const size_t n = weights.size();

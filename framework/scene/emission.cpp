@@ -30,7 +30,8 @@ struct Terms {
             terms[count++] = {factor, uint32_t(at)};
     }
 
-    /// Add `sign` times the sum of all texels before `end`, an integer, of a line of n texels that goes on by its wrap mode.
+    /// Add `sign` times the sum of all texels before `end`, an integer, of a line of n texels that goes on by its wrap
+    /// mode.
     void addPrefix(double sign, double end, double n, Texture::Wrap wrap)
     {
         if (wrap == Texture::Wrap::clampToEdge) {
@@ -72,8 +73,9 @@ TexelRange texelsBetween(double low, double high, double size, const Texture& te
     return {first, count};
 }
 
-/// Sums of a texture's luminance over any rectangle of texels, wrapped. In whole units of a millionth of the brightest texel, rounded
-/// up, so that sums are exact and only black is 0.  [Crow 1984, "Summed-Area Tables for Texture Mapping"]
+/// Sums of a texture's luminance over any rectangle of texels, wrapped. In whole units of a millionth of the brightest
+/// texel, rounded up, so that sums are exact and only black is 0.  [Crow 1984, "Summed-Area Tables for Texture
+/// Mapping"]
 class TexelSums {
 public:
     /// `factor`: of each channel, before luminance.
@@ -102,7 +104,8 @@ public:
     {
         const auto u = texelsBetween(low.x, high.x, texture_.width, texture_, texture_.wrapU);
         const auto v = texelsBetween(low.y, high.y, texture_.height, texture_, texture_.wrapV);
-        const Terms columns = termsOf(u, texture_.width, texture_.wrapU), rows = termsOf(v, texture_.height, texture_.wrapV);
+        const Terms columns = termsOf(u, texture_.width, texture_.wrapU),
+                    rows = termsOf(v, texture_.height, texture_.wrapV);
         double sum = 0;
         for (size_t j = 0; j < rows.count; ++j)
             for (size_t i = 0; i < columns.count; ++i)
@@ -150,8 +153,8 @@ double wantedSide(const Texture& texture, const Corners& uv)
                                        : MOST_PARTS_A_SIDE;
 }
 
-/// The mean luminance that lookups in a triangle of texture coordinates can read: over its quarters' bounding boxes, whose texels
-/// are fewer than those of its own.
+/// The mean luminance that lookups in a triangle of texture coordinates can read: over its quarters' bounding boxes,
+/// whose texels are fewer than those of its own.
 double meanOfTriangle(const TexelSums& sums, const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c)
 {
     const auto box = [&](const glm::dvec2& p, const glm::dvec2& q, const glm::dvec2& r) {
@@ -208,7 +211,8 @@ std::vector<Textured> findTextured(const Scene& scene)
             if (!(material.flags & MATERIAL_EMISSIVE) || material.emissiveMap.index == INVALID_INDEX)
                 continue;
             const auto uv = cornersOf(material.emissiveMap, scene, mesh, scene.triangles[t]);
-            found.push_back({scene.materialOfTriangle[t], t, uv, wantedSide(scene.textures[material.emissiveMap.index], uv)});
+            found.push_back(
+                {scene.materialOfTriangle[t], t, uv, wantedSide(scene.textures[material.emissiveMap.index], uv)});
         }
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.material < b.material; });
     return found;

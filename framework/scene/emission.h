@@ -26,8 +26,8 @@ struct Emission {
     std::map<uint32_t, EmissionParts> parts;  ///< of triangles that are much brighter in some places than in others
 };
 
-/// A textured triangle is cut into parts. Each is weighed by the mean of all texels that a lookup inside of it can read, so that none
-/// is 0 where the texture is not; their mean is the triangle's.
+/// A textured triangle is cut into parts. Each is weighed by the mean of all texels that a lookup inside of it can
+/// read, so that none is 0 where the texture is not; their mean is the triangle's.
 Emission measureEmission(const Scene& scene);
 
 }  // namespace restirpg

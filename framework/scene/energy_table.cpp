@@ -59,7 +59,8 @@ dvec4 facetReturn(const dvec3& wo, const dvec3& h, double alpha, double eta)
     return sum;
 }
 
-/// The directional integral: the mean over the normals visible from a cosine (Dupuy & Benyoub 2023), half of the circle.
+/// The directional integral: the mean over the normals visible from a cosine (Dupuy & Benyoub 2023), half of the
+/// circle.
 dvec4 directional(double cosine, double alpha, double eta)
 {
     constexpr int AROUND = 32, ALONG = 64;

@@ -38,7 +38,8 @@ Bounds worldBounds(const Scene& scene)
     return bounds;
 }
 
-/// Where coordinates are relative to: the middle of a scene that lies farther off than FAR of its own radii, where floats would be coarse.
+/// Where coordinates are relative to: the middle of a scene that lies farther off than FAR of its own radii, where
+/// floats would be coarse.
 glm::vec3 originOf(const Bounds& bounds)
 {
     constexpr float FAR = 64;

@@ -22,11 +22,14 @@ size_t componentSize(const File& file, int accessor, uint32_t componentType, con
 {
     switch (componentType) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return 1;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+        return 1;
     case TINYGLTF_COMPONENT_TYPE_SHORT:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return 2;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        return 2;
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-    case TINYGLTF_COMPONENT_TYPE_FLOAT: return 4;
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+        return 4;
     default:
         fail("{}: {}: accessor {} has component type {}, which glTF 2.0 does not know; export it again", file.name(),
              place, accessor, componentType);
@@ -63,21 +66,30 @@ float loadFloat(const uint8_t* bytes, int componentType, bool normalized)
     };
     const auto unsignedValue = [&](float value, float largest) { return normalized ? value / largest : value; };
     switch (componentType) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE: return signedValue(load<int8_t>(bytes), 127);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return unsignedValue(load<uint8_t>(bytes), 255);
-    case TINYGLTF_COMPONENT_TYPE_SHORT: return signedValue(load<int16_t>(bytes), 32767);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return unsignedValue(load<uint16_t>(bytes), 65535);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return unsignedValue(float(load<uint32_t>(bytes)), 4294967295.0f);
-    default: return load<float>(bytes);
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+        return signedValue(load<int8_t>(bytes), 127);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+        return unsignedValue(load<uint8_t>(bytes), 255);
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+        return signedValue(load<int16_t>(bytes), 32767);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        return unsignedValue(load<uint16_t>(bytes), 65535);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+        return unsignedValue(float(load<uint32_t>(bytes)), 4294967295.0f);
+    default:
+        return load<float>(bytes);
     }
 }
 
 uint32_t loadIndex(const uint8_t* bytes, uint32_t componentType)
 {
     switch (componentType) {
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return load<uint8_t>(bytes);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return load<uint16_t>(bytes);
-    default: return load<uint32_t>(bytes);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+        return load<uint8_t>(bytes);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        return load<uint16_t>(bytes);
+    default:
+        return load<uint32_t>(bytes);
     }
 }
 
@@ -117,11 +129,16 @@ void applySparse(const File& file, int index, const std::string& place, size_t c
 const char* typeName(int type)
 {
     switch (type) {
-    case TINYGLTF_TYPE_SCALAR: return "SCALAR";
-    case TINYGLTF_TYPE_VEC2: return "VEC2";
-    case TINYGLTF_TYPE_VEC3: return "VEC3";
-    case TINYGLTF_TYPE_VEC4: return "VEC4";
-    default: return "a matrix";
+    case TINYGLTF_TYPE_SCALAR:
+        return "SCALAR";
+    case TINYGLTF_TYPE_VEC2:
+        return "VEC2";
+    case TINYGLTF_TYPE_VEC3:
+        return "VEC3";
+    case TINYGLTF_TYPE_VEC4:
+        return "VEC4";
+    default:
+        return "a matrix";
     }
 }
 
@@ -136,7 +153,8 @@ void checkAccessor(const File& file, int index, const std::string& place)
         elementsOf(file, index, accessor.bufferView, accessor.byteOffset, accessor.count, size,
                    file.model.bufferViews[size_t(accessor.bufferView)].byteStride, place);
     else if (accessor.count > LARGEST_ZERO_ACCESSOR)
-        fail("{}: {}: accessor {} has {} elements but no data; export it again", file.name(), place, index, accessor.count);
+        fail("{}: {}: accessor {} has {} elements but no data; export it again", file.name(), place, index,
+             accessor.count);
 }
 
 std::vector<float> readFloats(const File& file, int index, const std::string& place, std::initializer_list<int> types)

@@ -26,8 +26,8 @@ void checkPositions(const File& file, const Source& source)
 {
     for (size_t i = 0; i < source.positions.size(); ++i)
         if (!glm::all(glm::lessThanEqual(glm::abs(source.positions[i]), glm::vec3(FARTHEST))))
-            fail("{}: {}: skin or morph targets move vertex {} beyond {} m; repair the mesh and export it again", file.name(),
-                 source.place, i, FARTHEST);
+            fail("{}: {}: skin or morph targets move vertex {} beyond {} m; repair the mesh and export it again",
+                 file.name(), source.place, i, FARTHEST);
 }
 
 /// Sums over a vertex's joints.
@@ -52,8 +52,8 @@ bool addJoints(const File& file, const tinygltf::Primitive& primitive, const Ski
             if (weight == 0)
                 continue;
             if (!(joints[v][i] >= 0 && joints[v][i] < float(skin.joints.size())))
-                fail("{}: {} JOINTS_{}: vertex {} has joint {} of {}; export it again", file.name(), source.place, set, v,
-                     joints[v][i], skin.joints.size());
+                fail("{}: {} JOINTS_{}: vertex {} has joint {} of {}; export it again", file.name(), source.place, set,
+                     v, joints[v][i], skin.joints.size());
             blends[v].matrix += weight * skin.joints[size_t(joints[v][i])];
             blends[v].weight += weight;
         }
@@ -111,7 +111,8 @@ Skin readSkin(const File& file, const Shape& shape, const std::vector<glm::mat4>
     return skin;
 }
 
-void applyMorph(const File& file, const tinygltf::Primitive& primitive, const std::vector<double>& weights, Source& source)
+void applyMorph(const File& file, const tinygltf::Primitive& primitive, const std::vector<double>& weights,
+                Source& source)
 {
     for (size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
         const float weight = float(weights[t]);
@@ -121,7 +122,8 @@ void applyMorph(const File& file, const tinygltf::Primitive& primitive, const st
         const auto displacements = [&](const char* name) {
             return readAttribute<glm::vec3>(file, target, source, name, {TINYGLTF_TYPE_VEC3});
         };
-        const auto moves = displacements("POSITION"), turns = displacements("NORMAL"), twists = displacements("TANGENT");
+        const auto moves = displacements("POSITION"), turns = displacements("NORMAL"),
+                   twists = displacements("TANGENT");
         addScaled(moves, weight, source.positions);
         addScaled(turns, weight, source.normals);
         addScaled(twists, weight, source.tangents);
@@ -138,8 +140,9 @@ void applySkin(const File& file, const tinygltf::Primitive& primitive, const Ski
     std::vector<bool> mirrored(blends.size());
     for (size_t v = 0; v < blends.size(); ++v) {
         // Weights add up to 1 but for rounding; a vertex without any follows the first joint.
-        const auto matrix = !bound ? skin.unbound
-            : blends[v].weight > 0 ? blends[v].matrix / blends[v].weight : skin.joints[0];
+        const auto matrix = !bound                 ? skin.unbound
+                            : blends[v].weight > 0 ? blends[v].matrix / blends[v].weight
+                                                   : skin.joints[0];
         const glm::mat3 linear(matrix);
         mirrored[v] = glm::determinant(linear) < 0;
         source.positions[v] = glm::vec3(matrix * glm::vec4(source.positions[v], 1));

@@ -149,8 +149,8 @@ std::vector<uint8_t> bufferBytes(File& file, size_t index, const json& buffer, s
     return bytes;
 }
 
-/// Read what the file refers to, and put names of our own in the place of its URIs. A missing image stays missing: only a texture
-/// that needs it minds.
+/// Read what the file refers to, and put names of our own in the place of its URIs. A missing image stays missing: only
+/// a texture that needs it minds.
 Contents readContents(File& file, json& root, std::span<const uint8_t> binary, uint64_t& hash)
 {
     Contents contents;

@@ -87,10 +87,11 @@ const char* formatOf(std::span<const uint8_t> encoded)
         std::string_view magic;
         size_t offset;
     };
-    static constexpr Format FORMATS[] = {{"WebP", "WEBP", 8}, {"KTX2", "KTX 20", 1}, {"AVIF", "ftypavif", 4},
-                                         {"HEIF", "ftyphei", 4}, {"GIF", "GIF8", 0}, {"BMP", "BM", 0}, {"TIFF", "II*", 0},
-                                         {"TIFF", "MM", 0}, {"DDS", "DDS ", 0}, {"OpenEXR", "v/1\x01", 0},
-                                         {"Radiance HDR", "#?", 0}, {"JPEG XL", "JXL ", 4}, {"JPEG 2000", "jP  ", 4}};
+    static constexpr Format FORMATS[] = {{"WebP", "WEBP", 8},       {"KTX2", "KTX 20", 1},     {"AVIF", "ftypavif", 4},
+                                         {"HEIF", "ftyphei", 4},    {"GIF", "GIF8", 0},        {"BMP", "BM", 0},
+                                         {"TIFF", "II*", 0},        {"TIFF", "MM", 0},         {"DDS", "DDS ", 0},
+                                         {"OpenEXR", "v/1\x01", 0}, {"Radiance HDR", "#?", 0}, {"JPEG XL", "JXL ", 4},
+                                         {"JPEG 2000", "jP  ", 4}};
     for (const auto& format : FORMATS)
         if (hasMagic(encoded, format.magic, format.offset))
             return format.name;

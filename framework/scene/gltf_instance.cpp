@@ -105,8 +105,8 @@ private:
         if (triangles > MOST_TRIANGLES)
             fail("{}: {} triangles are more than {}; simplify the scene", file_.name(), triangles, MOST_TRIANGLES);
         if (instanced > MOST_INSTANCED_TRIANGLES)
-            fail("{}: {} triangles, every instance counted, are more than {}; show fewer instances", file_.name(), instanced,
-                 MOST_INSTANCED_TRIANGLES);
+            fail("{}: {} triangles, every instance counted, are more than {}; show fewer instances", file_.name(),
+                 instanced, MOST_INSTANCED_TRIANGLES);
         checkMemory(file_.name(), fmt::format("the geometry of {} triangles", triangles), bytes, "simplify the scene");
     }
 

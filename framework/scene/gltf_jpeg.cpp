@@ -37,8 +37,8 @@ void keepWarning(j_common_ptr codec, int level)
         codec->err->format_message(codec, managerOf(codec).message);
 }
 
-/// Every scan of a progressive file goes over the whole image, and a scan may be a few bytes long. 67 million pixels may
-/// have 32 scans, and 1024 x 1024 have 2048. Encoders write about 10.
+/// Every scan of a progressive file goes over the whole image, and a scan may be a few bytes long. 67 million pixels
+/// may have 32 scans, and 1024 x 1024 have 2048. Encoders write about 10.
 constexpr uint64_t MAX_SCANNED_PIXELS = 1ull << 31;
 
 void limitScans(j_common_ptr codec)

@@ -1,6 +1,6 @@
 // glTF materials and the textures that they use.
-#include "scene/gltf_file.h"
 #include "scene/fresnel.h"
+#include "scene/gltf_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,8 @@ namespace restirpg::gltf {
 
 namespace {
 
-/// KHR_materials_ior: 0 asks for total reflection. The nearest physical surface; a larger ratio differs by less than 0.1%.
+/// KHR_materials_ior: 0 asks for total reflection. The nearest physical surface; a larger ratio differs by less than
+/// 0.1%.
 constexpr float TOTALLY_REFLECTING_IOR = 100;
 
 /// Where the specification sets no limit: beyond any use, and so small that products and squares stay finite.
@@ -44,7 +45,8 @@ TextureInfo extensionInfo(const tinygltf::Value& object, const char* name)
             extensions ? member(*extensions, "KHR_texture_transform") : nullptr};
 }
 
-/// Reads factors within the range that the specification gives each, and remembers what was not, for one warning a file.
+/// Reads factors within the range that the specification gives each, and remembers what was not, for one warning a
+/// file.
 class Factors {
 public:
     explicit Factors(const File& file) : file_(file) {}
@@ -146,7 +148,8 @@ private:
         material.alpha = factors_.number(base[3], "baseColorFactor", 0, 1);
         material.metallic = factors_.number(pbr.metallicFactor, "metallicFactor", 0, 1);
         material.roughness = factors_.number(pbr.roughnessFactor, "roughnessFactor", 0, 1);
-        material.normalScale = factors_.number(source.normalTexture.scale, "normalTexture.scale", -BOUNDLESS, BOUNDLESS);
+        material.normalScale =
+            factors_.number(source.normalTexture.scale, "normalTexture.scale", -BOUNDLESS, BOUNDLESS);
         material.baseColorMap = reference(coreInfo(pbr.baseColorTexture), true);
         material.metallicRoughnessMap = reference(coreInfo(pbr.metallicRoughnessTexture), false);
         material.normalMap = reference(coreInfo(source.normalTexture), false);
@@ -171,7 +174,8 @@ private:
         const auto& factor = source.emissiveFactor;
         material.emission = factors_.color({factor[0], factor[1], factor[2]}, "emissiveFactor", 1);
         if (const auto* strength = extension(source.extensions, "KHR_materials_emissive_strength"))
-            material.emission *= factors_.number(number(*strength, "emissiveStrength", 1), "emissiveStrength", 0, 1e30f);
+            material.emission *=
+                factors_.number(number(*strength, "emissiveStrength", 1), "emissiveStrength", 0, 1e30f);
         if (material.emission == glm::vec3(0))
             return;
         material.flags |= MATERIAL_EMISSIVE;
@@ -188,8 +192,8 @@ private:
         material.ior = ior == 0 ? TOTALLY_REFLECTING_IOR : factors_.number(ior, "ior", 1, TOTALLY_REFLECTING_IOR);
         if (const auto* specular = extension(source.extensions, "KHR_materials_specular")) {
             material.specular = factors_.number(number(*specular, "specularFactor", 1), "specularFactor", 0, 1);
-            material.specularColor = factors_.color(color(*specular, "specularColorFactor", glm::vec3(1)),
-                                                    "specularColorFactor", BOUNDLESS);
+            material.specularColor =
+                factors_.color(color(*specular, "specularColorFactor", glm::vec3(1)), "specularColorFactor", BOUNDLESS);
             material.specularMap = reference(extensionInfo(*specular, "specularTexture"), false);
             material.specularColorMap = reference(extensionInfo(*specular, "specularColorTexture"), true);
         }
@@ -278,10 +282,14 @@ private:
     Texture::Wrap wrap(int mode) const
     {
         switch (mode) {
-        case TINYGLTF_TEXTURE_WRAP_REPEAT: return Texture::Wrap::repeat;
-        case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT: return Texture::Wrap::mirroredRepeat;
-        case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE: return Texture::Wrap::clampToEdge;
-        default: fail("{}: {}: sampler wrap mode {} does not exist; export it again", file_.name(), place_, mode);
+        case TINYGLTF_TEXTURE_WRAP_REPEAT:
+            return Texture::Wrap::repeat;
+        case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT:
+            return Texture::Wrap::mirroredRepeat;
+        case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE:
+            return Texture::Wrap::clampToEdge;
+        default:
+            fail("{}: {}: sampler wrap mode {} does not exist; export it again", file_.name(), place_, mode);
         }
     }
 

@@ -76,8 +76,8 @@ Source readPrimitive(const File& file, const tinygltf::Primitive& primitive, con
     source.tangents = readAttribute<glm::vec4>(file, primitive.attributes, source, "TANGENT", {TINYGLTF_TYPE_VEC4});
     source.uv[0] = readAttribute<glm::vec2>(file, primitive.attributes, source, "TEXCOORD_0", {TINYGLTF_TYPE_VEC2});
     source.uv[1] = readAttribute<glm::vec2>(file, primitive.attributes, source, "TEXCOORD_1", {TINYGLTF_TYPE_VEC2});
-    source.colors =
-        readAttribute<glm::vec4>(file, primitive.attributes, source, "COLOR_0", {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4});
+    source.colors = readAttribute<glm::vec4>(file, primitive.attributes, source, "COLOR_0",
+                                             {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4});
     clampColors(file, source.colors);
     readTriangles(file, primitive, source);
     return source;

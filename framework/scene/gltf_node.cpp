@@ -12,7 +12,9 @@ namespace {
 class NodeReader {
 public:
     NodeReader(const File& file, Scene& scene)
-        : file_(file), scene_(scene), sceneNode_(file.model.nodes.size(), INVALID_INDEX) {}
+        : file_(file), scene_(scene), sceneNode_(file.model.nodes.size(), INVALID_INDEX)
+    {
+    }
 
     void read()
     {
@@ -233,8 +235,7 @@ Node makeNode(const File& file, size_t index, int parent)
         const auto& r = source.rotation;
         node.rotation = glm::quat(float(r[3]), float(r[0]), float(r[1]), float(r[2]));
         if (!(glm::length(node.rotation) > 0))
-            fail("{}: {}: rotation is zero; export it again", file.name(),
-                 label("node", index, source.name));
+            fail("{}: {}: rotation is zero; export it again", file.name(), label("node", index, source.name));
         node.rotation = glm::normalize(node.rotation);
     }
     if (!source.matrix.empty()) {

@@ -22,7 +22,8 @@ struct Source {
     uint32_t material = 0;
 };
 
-/// What a node shows: a mesh with its morph weights and its skin applied. Nodes that agree in all of it share the triangles.
+/// What a node shows: a mesh with its morph weights and its skin applied. Nodes that agree in all of it share the
+/// triangles.
 struct Shape {
     int mesh = -1;
     std::vector<double> weights;  ///< of the morph targets; those missing are 0
@@ -53,7 +54,8 @@ std::vector<glm::mat4> restPose(const File& file);
 Skin readSkin(const File& file, const Shape& shape, const std::vector<glm::mat4>& rest);
 
 /// Add the morph targets' displacements times their weights [glTF 2.0, 3.7.2.2].
-void applyMorph(const File& file, const tinygltf::Primitive& primitive, const std::vector<double>& weights, Source& source);
+void applyMorph(const File& file, const tinygltf::Primitive& primitive, const std::vector<double>& weights,
+                Source& source);
 
 /// Move vertices by the weighted mean of their joints' matrices, into world space [glTF 2.0, 3.7.3.3].
 void applySkin(const File& file, const tinygltf::Primitive& primitive, const Skin& skin, Source& source);

@@ -32,37 +32,37 @@ void addTextureInfo(std::vector<Rule>& rules, const std::string& path)
 {
     const auto transform = path + ".extensions.KHR_texture_transform.";
     rules.insert(rules.end(), {
-        {path + ".index", Kind::index, true, 0, "textures"},
-        {path + ".texCoord", Kind::size},
-        {transform + "offset", Kind::vector, false, 2},
-        {transform + "scale", Kind::vector, false, 2},
-        {transform + "rotation", Kind::number},
-        {transform + "texCoord", Kind::size},
-    });
+                                  {path + ".index", Kind::index, true, 0, "textures"},
+                                  {path + ".texCoord", Kind::size},
+                                  {transform + "offset", Kind::vector, false, 2},
+                                  {transform + "scale", Kind::vector, false, 2},
+                                  {transform + "rotation", Kind::number},
+                                  {transform + "texCoord", Kind::size},
+                              });
 }
 
 void addMaterials(std::vector<Rule>& rules)
 {
     const std::string material = "materials[].", extension = material + "extensions.KHR_materials_";
     rules.insert(rules.end(), {
-        {material + "name", Kind::text},
-        {material + "pbrMetallicRoughness.baseColorFactor", Kind::vector, false, 4},
-        {material + "pbrMetallicRoughness.metallicFactor", Kind::number},
-        {material + "pbrMetallicRoughness.roughnessFactor", Kind::number},
-        {material + "normalTexture.scale", Kind::number},
-        {material + "emissiveFactor", Kind::vector, false, 3},
-        {material + "alphaMode", Kind::text},
-        {material + "alphaCutoff", Kind::number},
-        {material + "doubleSided", Kind::truth},
-        {extension + "emissive_strength.emissiveStrength", Kind::number},
-        {extension + "transmission.transmissionFactor", Kind::number},
-        {extension + "ior.ior", Kind::number},
-        {extension + "specular.specularFactor", Kind::number},
-        {extension + "specular.specularColorFactor", Kind::vector, false, 3},
-        {extension + "volume.thicknessFactor", Kind::number},
-        {extension + "volume.attenuationDistance", Kind::number},
-        {extension + "volume.attenuationColor", Kind::vector, false, 3},
-    });
+                                  {material + "name", Kind::text},
+                                  {material + "pbrMetallicRoughness.baseColorFactor", Kind::vector, false, 4},
+                                  {material + "pbrMetallicRoughness.metallicFactor", Kind::number},
+                                  {material + "pbrMetallicRoughness.roughnessFactor", Kind::number},
+                                  {material + "normalTexture.scale", Kind::number},
+                                  {material + "emissiveFactor", Kind::vector, false, 3},
+                                  {material + "alphaMode", Kind::text},
+                                  {material + "alphaCutoff", Kind::number},
+                                  {material + "doubleSided", Kind::truth},
+                                  {extension + "emissive_strength.emissiveStrength", Kind::number},
+                                  {extension + "transmission.transmissionFactor", Kind::number},
+                                  {extension + "ior.ior", Kind::number},
+                                  {extension + "specular.specularFactor", Kind::number},
+                                  {extension + "specular.specularColorFactor", Kind::vector, false, 3},
+                                  {extension + "volume.thicknessFactor", Kind::number},
+                                  {extension + "volume.attenuationDistance", Kind::number},
+                                  {extension + "volume.attenuationColor", Kind::vector, false, 3},
+                              });
     for (const char* slot : {"pbrMetallicRoughness.baseColorTexture", "pbrMetallicRoughness.metallicRoughnessTexture",
                              "normalTexture", "emissiveTexture"})
         addTextureInfo(rules, material + slot);
@@ -75,39 +75,39 @@ void addScene(std::vector<Rule>& rules)
 {
     const std::string lights = "extensions.KHR_lights_punctual.lights";
     rules.insert(rules.end(), {
-        {"scene", Kind::index, false, 0, "scenes"},
-        {"scenes[].nodes[]", Kind::index, false, 0, "nodes"},
-        {"nodes[].name", Kind::text},
-        {"nodes[].mesh", Kind::index, false, 0, "meshes"},
-        {"nodes[].skin", Kind::index, false, 0, "skins"},
-        {"nodes[].weights[]", Kind::number},
-        {"meshes[].weights[]", Kind::number},
-        {"skins[].joints[]", Kind::index, false, 0, "nodes"},
-        {"skins[].inverseBindMatrices", Kind::index, false, 0, "accessors"},
-        {"skins[].name", Kind::text},
-        {"nodes[].camera", Kind::index, false, 0, "cameras"},
-        {"nodes[].children[]", Kind::index, false, 0, "nodes"},
-        {"nodes[].translation", Kind::vector, false, 3},
-        {"nodes[].rotation", Kind::vector, false, 4},
-        {"nodes[].scale", Kind::vector, false, 3},
-        {"nodes[].matrix", Kind::vector, false, 16},
-        {"nodes[].extensions.KHR_lights_punctual.light", Kind::index, true, 0, lights},
-        {lights + "[].type", Kind::text, true},
-        {lights + "[].color", Kind::vector, false, 3},
-        {lights + "[].intensity", Kind::number},
-        {lights + "[].spot.innerConeAngle", Kind::number},
-        {lights + "[].spot.outerConeAngle", Kind::number},
-        {"cameras[].type", Kind::text, true},
-        {"cameras[].name", Kind::text},
-        {"cameras[].perspective.yfov", Kind::number, true},
-        {"animations[].channels[].target", Kind::object, true},
-        {"animations[].channels[].target.node", Kind::index, false, 0, "nodes"},
-        {"animations[].channels[].target.path", Kind::text, true},
-        {"animations[].channels[].sampler", Kind::size, true},
-        {"animations[].samplers[].input", Kind::index, true, 0, "accessors"},
-        {"animations[].samplers[].output", Kind::index, true, 0, "accessors"},
-        {"animations[].samplers[].interpolation", Kind::text},
-    });
+                                  {"scene", Kind::index, false, 0, "scenes"},
+                                  {"scenes[].nodes[]", Kind::index, false, 0, "nodes"},
+                                  {"nodes[].name", Kind::text},
+                                  {"nodes[].mesh", Kind::index, false, 0, "meshes"},
+                                  {"nodes[].skin", Kind::index, false, 0, "skins"},
+                                  {"nodes[].weights[]", Kind::number},
+                                  {"meshes[].weights[]", Kind::number},
+                                  {"skins[].joints[]", Kind::index, false, 0, "nodes"},
+                                  {"skins[].inverseBindMatrices", Kind::index, false, 0, "accessors"},
+                                  {"skins[].name", Kind::text},
+                                  {"nodes[].camera", Kind::index, false, 0, "cameras"},
+                                  {"nodes[].children[]", Kind::index, false, 0, "nodes"},
+                                  {"nodes[].translation", Kind::vector, false, 3},
+                                  {"nodes[].rotation", Kind::vector, false, 4},
+                                  {"nodes[].scale", Kind::vector, false, 3},
+                                  {"nodes[].matrix", Kind::vector, false, 16},
+                                  {"nodes[].extensions.KHR_lights_punctual.light", Kind::index, true, 0, lights},
+                                  {lights + "[].type", Kind::text, true},
+                                  {lights + "[].color", Kind::vector, false, 3},
+                                  {lights + "[].intensity", Kind::number},
+                                  {lights + "[].spot.innerConeAngle", Kind::number},
+                                  {lights + "[].spot.outerConeAngle", Kind::number},
+                                  {"cameras[].type", Kind::text, true},
+                                  {"cameras[].name", Kind::text},
+                                  {"cameras[].perspective.yfov", Kind::number, true},
+                                  {"animations[].channels[].target", Kind::object, true},
+                                  {"animations[].channels[].target.node", Kind::index, false, 0, "nodes"},
+                                  {"animations[].channels[].target.path", Kind::text, true},
+                                  {"animations[].channels[].sampler", Kind::size, true},
+                                  {"animations[].samplers[].input", Kind::index, true, 0, "accessors"},
+                                  {"animations[].samplers[].output", Kind::index, true, 0, "accessors"},
+                                  {"animations[].samplers[].interpolation", Kind::text},
+                              });
 }
 
 std::vector<Rule> makeRules()
@@ -217,12 +217,16 @@ private:
             return x.is_number() && std::abs(x.get<double>()) <= largest;
         };
         switch (rule_->kind) {
-        case Kind::object: return value.is_object() ? void() : complain("an object");
-        case Kind::text: return value.is_string() ? void() : complain("a string");
-        case Kind::truth: return value.is_boolean() ? void() : complain("true or false");
+        case Kind::object:
+            return value.is_object() ? void() : complain("an object");
+        case Kind::text:
+            return value.is_string() ? void() : complain("a string");
+        case Kind::truth:
+            return value.is_boolean() ? void() : complain("true or false");
         case Kind::size:
             return value.is_number_unsigned() && isNumber(value) ? void() : complain("an integer from 0 to 2147483647");
-        case Kind::number: return isNumber(value) ? void() : complain("a number of at most 1e30");
+        case Kind::number:
+            return isNumber(value) ? void() : complain("a number of at most 1e30");
         case Kind::vector:
             if (!value.is_array() || value.size() != rule_->length ||
                 !std::all_of(value.begin(), value.end(), isNumber))
@@ -230,8 +234,8 @@ private:
             return;
         case Kind::index:
             if (!value.is_number_unsigned() || value.get<uint64_t>() >= count_)
-                fail("{}: {}: {} does not point into {}, which has {} elements; export the file again", file_,
-                     place(), printable(value.dump(), 40), rule_->target, count_);
+                fail("{}: {}: {} does not point into {}, which has {} elements; export the file again", file_, place(),
+                     printable(value.dump(), 40), rule_->target, count_);
         }
     }
 

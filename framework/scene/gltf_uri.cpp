@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 bool startsWith(std::string_view text, std::string_view lowerCase)
 {
     return text.size() >= lowerCase.size() &&
-        std::equal(lowerCase.begin(), lowerCase.end(), text.begin(),
-                   [](char expected, char c) { return std::tolower(uint8_t(c)) == expected; });
+           std::equal(lowerCase.begin(), lowerCase.end(), text.begin(),
+                      [](char expected, char c) { return std::tolower(uint8_t(c)) == expected; });
 }
 
 /// RFC 3986, 2.1; a '%' that no two hexadecimal digits follow stands for itself.
@@ -52,8 +52,8 @@ std::string_view localPart(std::string_view uri, const std::string& file, const 
     }
     const auto scheme = uri.find("://");
     const bool named = scheme != uri.npos && std::all_of(uri.begin(), uri.begin() + long(scheme), [](char c) {
-        return std::isalnum(uint8_t(c)) || c == '+' || c == '-' || c == '.';
-    });
+                           return std::isalnum(uint8_t(c)) || c == '+' || c == '-' || c == '.';
+                       });
     if (named || startsWith(uri, "//"))
         fail("{}: {}: '{}' lies on another machine; put the file beside the scene", file, place, printable(uri));
     return uri;
@@ -67,7 +67,9 @@ bool isWithin(const fs::path& folder, const fs::path& path)
 }  // namespace
 
 Resources::Resources(const fs::path& scene, bool allowOutside)
-    : scene_(scene), folder_(fs::weakly_canonical(fs::absolute(scene).parent_path())), allowOutside_(allowOutside) {}
+    : scene_(scene), folder_(fs::weakly_canonical(fs::absolute(scene).parent_path())), allowOutside_(allowOutside)
+{
+}
 
 bool Resources::isData(const std::string& uri)
 {
@@ -117,7 +119,8 @@ fs::path Resources::resolveUri(const std::string& uri, const std::string& place)
         path = resolve(name, place);
     }
     if (!fs::exists(path, error))
-        failAs<MissingFile>("{}: {}: '{}': no such file; put it beside the scene", scene_.string(), place, printable(uri));
+        failAs<MissingFile>("{}: {}: '{}': no such file; put it beside the scene", scene_.string(), place,
+                            printable(uri));
     return path;
 }
 

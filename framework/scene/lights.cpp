@@ -34,7 +34,8 @@ bool sameMetric(const glm::mat3& a, const glm::mat3& b)
     constexpr float ROUNDING = 1e-5f;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            if (!(std::abs(a[i][j] - b[i][j]) <= ROUNDING * std::sqrt(std::min(a[i][i], b[i][i]) * std::min(a[j][j], b[j][j]))))
+            if (!(std::abs(a[i][j] - b[i][j]) <=
+                  ROUNDING * std::sqrt(std::min(a[i][i], b[i][i]) * std::min(a[j][j], b[j][j]))))
                 return false;
     return true;
 }
@@ -135,7 +136,7 @@ private:
         light.cosInner = std::cos(source.innerCone);
         light.cosOuter = std::cos(source.outerCone);
         const double intensity = luminance(light.intensity);
-        const double solidAngle = source.type == LIGHT_POINT ? 4 * PI
+        const double solidAngle = source.type == LIGHT_POINT  ? 4 * PI
                                   : source.type == LIGHT_SPOT ? 2 * PI * (1 - light.cosOuter)
                                                               : 1;  // a directional light's irradiance
         table_.punctualLights.push_back(add(light, solidAngle * intensity));
@@ -200,8 +201,10 @@ double extentOf(const Light& light, const Scene& scene, const std::vector<glm::m
         return worldArea(scene, scene.meshes[instance.mesh], light.triangle, pose[instance.node]);
     }
     case LIGHT_DIRECTIONAL:
-    case LIGHT_ENVIRONMENT: return disk;
-    default: return 1;
+    case LIGHT_ENVIRONMENT:
+        return disk;
+    default:
+        return 1;
     }
 }
 

@@ -17,7 +17,8 @@ struct AliasColumn {
 /// probabilities exactly as the table realises them in float.
 std::vector<AliasColumn> buildAliasTable(std::span<const double> weights, std::vector<float>& pmf);
 
-/// The scene's lights as kernels see them, at the given node poses. A light keeps its index while nodes move: reservoirs refer to it.
+/// The scene's lights as kernels see them, at the given node poses. A light keeps its index while nodes move:
+/// reservoirs refer to it.
 struct LightTable {
     std::vector<Light> lights;
     std::vector<uint32_t> lightOfTriangle;  ///< see Instance::lightMap
@@ -29,19 +30,21 @@ struct LightTable {
     bool lit = false;  ///< some light has power in this pose, so that one can be selected
 
     // Of the host: what the powers are made from.
-    std::vector<double> strengths;  ///< power of a punctual light, W; else power over area or over the scene's disk, W/m^2
+    /// Power of a punctual light, W; else power over area or over the scene's disk, W/m^2
+    std::vector<double> strengths;
     std::vector<double> powers;  ///< W, as the alias table has them
-    std::vector<glm::mat3> metricOfInstance;  ///< M^T M of the linear part that the powers are of: what lengths depend on
+    /// M^T M of the linear part that the powers are of: what lengths depend on
+    std::vector<glm::mat3> metricOfInstance;
 };
 
 /// Build the table. Weights are powers in watts (luminance): pi A L for a triangle (twice for a double-sided one; a
 /// textured one by its mean over the triangle), 4 pi I for a point, 2 pi (1 - cos outer) I for a spot, pi r^2 E for
-/// a directional light, pi r^2 * int L for the environment. What is dark in every pose is left out; a triangle without area
-/// is not, because it may grow.
+/// a directional light, pi r^2 * int L for the environment. What is dark in every pose is left out; a triangle without
+/// area is not, because it may grow.
 LightTable buildLightTable(const Scene& scene, const std::vector<glm::mat4>& pose, float sceneRadius);
 
-/// Bring the table to another pose. Places of punctual lights always follow; areas are measured again where an instance has
-/// changed its shape, and the alias table is made again where a power has changed.
+/// Bring the table to another pose. Places of punctual lights always follow; areas are measured again where an instance
+/// has changed its shape, and the alias table is made again where a power has changed.
 void moveLights(LightTable& table, const Scene& scene, const std::vector<glm::mat4>& pose, float sceneRadius);
 
 }  // namespace restirpg

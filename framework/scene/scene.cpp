@@ -17,8 +17,11 @@ uint32_t wrapTexel(double texel, uint32_t size, Texture::Wrap wrap)
 {
     const double n = size;
     switch (wrap) {
-    case Texture::Wrap::clampToEdge: break;
-    case Texture::Wrap::repeat: texel -= n * std::floor(texel / n); break;
+    case Texture::Wrap::clampToEdge:
+        break;
+    case Texture::Wrap::repeat:
+        texel -= n * std::floor(texel / n);
+        break;
     case Texture::Wrap::mirroredRepeat:
         texel -= 2 * n * std::floor(texel / (2 * n));
         texel = texel < n ? texel : 2 * n - 1 - texel;
@@ -37,8 +40,8 @@ glm::vec4 cubicSpline(const AnimationChannel& channel, size_t key, float t, floa
     const auto& v = channel.values;
     const auto value0 = v[3 * key + 1], out0 = v[3 * key + 2], in1 = v[3 * key + 3], value1 = v[3 * key + 4];
     const float t2 = t * t, t3 = t2 * t;
-    return (2 * t3 - 3 * t2 + 1) * value0 + seconds * (t3 - 2 * t2 + t) * out0 + (-2 * t3 + 3 * t2) * value1
-        + seconds * (t3 - t2) * in1;
+    return (2 * t3 - 3 * t2 + 1) * value0 + seconds * (t3 - 2 * t2 + t) * out0 + (-2 * t3 + 3 * t2) * value1 +
+           seconds * (t3 - t2) * in1;
 }
 
 glm::vec4 valueAt(const AnimationChannel& channel, float time)
@@ -64,7 +67,8 @@ glm::vec4 valueAt(const AnimationChannel& channel, float time)
     return {rotation.x, rotation.y, rotation.z, rotation.w};
 }
 
-/// Thickness of what is flat, in parts of its extent: above float's rounding. And the extent of what is a line or a point, m.
+/// Thickness of what is flat, in parts of its extent: above float's rounding. And the extent of what is a line or a
+/// point, m.
 constexpr float THINNEST = 1e-5f;
 constexpr float SMALLEST = 1e-9f;
 
@@ -88,12 +92,14 @@ glm::vec3 missingDirection(const glm::mat3& m)
 bool isFlat(const glm::mat3& m)
 {
     constexpr float ROUNDING = 1e-6f;
-    const auto box = [](const glm::mat3& sides) { return glm::length(sides[0]) * glm::length(sides[1]) * glm::length(sides[2]); };
+    const auto box = [](const glm::mat3& sides) {
+        return glm::length(sides[0]) * glm::length(sides[1]) * glm::length(sides[2]);
+    };
     return std::abs(glm::determinant(m)) <= ROUNDING * std::min(box(m), box(glm::transpose(m)));
 }
 
-/// A matrix that has an inverse as it is. Of one scaled by 0 along an axis (valid glTF: a flat mesh) with some thickness; of one scaled
-/// by 0 along more (a hidden mesh) a speck.
+/// A matrix that has an inverse as it is. Of one scaled by 0 along an axis (valid glTF: a flat mesh) with some
+/// thickness; of one scaled by 0 along more (a hidden mesh) a speck.
 glm::mat4 invertible(const glm::mat4& matrix)
 {
     const glm::mat3 given(matrix);
@@ -181,15 +187,20 @@ std::vector<glm::mat4> poseNodes(const Scene& scene, float time, const std::vect
         const auto value = valueAt(channel, time);
         auto& node = nodes[channel.node];
         switch (channel.path) {
-        case AnimationChannel::Path::translation: node.translation = glm::vec3(value); break;
-        case AnimationChannel::Path::scale: node.scale = glm::vec3(value); break;
+        case AnimationChannel::Path::translation:
+            node.translation = glm::vec3(value);
+            break;
+        case AnimationChannel::Path::scale:
+            node.scale = glm::vec3(value);
+            break;
         case AnimationChannel::Path::rotation: {
             const float length = glm::length(value);
             node.rotation = length > 0 ? asQuaternion(value / length) : glm::quat(1, 0, 0, 0);
         }
         }
     }
-    // In double until the origin is taken off: what stands far from the world's origin keeps its place to a fraction of its own size.
+    // In double until the origin is taken off: what stands far from the world's origin keeps its place to a fraction of
+    // its own size.
     std::vector<glm::dmat4> world(nodes.size());
     for (size_t i = 0; i < nodes.size(); ++i) {
         const glm::dmat4 local(i < overrides.size() && overrides[i] ? *overrides[i] : localMatrix(nodes[i]));
@@ -201,8 +212,8 @@ std::vector<glm::mat4> poseNodes(const Scene& scene, float time, const std::vect
         pose[i] = glm::mat4(world[i]);
         for (int column = 0; column < 4; ++column)
             if (!glm::all(glm::lessThan(glm::abs(pose[i][column]), glm::vec4(LARGEST))))
-                fail("{}: node {} '{}': its matrix exceeds {} at {} s; mend its animation", scene.file.string(), i, nodes[i].name,
-                     LARGEST, time);
+                fail("{}: node {} '{}': its matrix exceeds {} at {} s; mend its animation", scene.file.string(), i,
+                     nodes[i].name, LARGEST, time);
         pose[i] = invertible(pose[i]);
     }
     return pose;

@@ -32,7 +32,8 @@ struct Texture {
     /// Linear RGBA of one texel.
     glm::vec4 texel(uint32_t x, uint32_t y) const;
 
-    /// Linear RGBA at (u, v), with the texture's own wrap and filter, the kernels' value (shaders/texture.glsl) but for rounding.
+    /// Linear RGBA at (u, v), with the texture's own wrap and filter, the kernels' value (shaders/texture.glsl) but for
+    /// rounding.
     glm::vec4 sample(glm::vec2 uv) const;
 };
 
@@ -88,7 +89,8 @@ struct PunctualLight {
 /// Light from infinitely far away.
 struct Environment {
     glm::vec3 radiance{0};  ///< constant radiance, or the factor of the texture
-    /// Linear Rec.709, no negative or non-finite texels. Equirectangular: u = 0.5 + atan2(x, -z) / 2 pi, v = acos(y) / pi.
+    /// Linear Rec.709, no negative or non-finite texels. Equirectangular: u = 0.5 + atan2(x, -z) / 2 pi, v = acos(y) /
+    /// pi.
     std::optional<Texture> texture;
     float rotation = 0;  ///< radians about +y
 };
@@ -110,7 +112,8 @@ struct VertexAttributes {
 
 struct Scene {
     std::filesystem::path file;
-    std::vector<std::filesystem::path> files;  ///< everything it was read from: `file`, its buffers and images, the environment
+    /// Everything it was read from: `file`, its buffers and images, the environment
+    std::vector<std::filesystem::path> files;
     std::string hash;  ///< content hash of the file and everything it refers to, 16 hexadecimal digits
 
     std::vector<Node> nodes;
@@ -129,7 +132,8 @@ struct Scene {
     std::vector<uint32_t> materialOfTriangle;
 
     uint32_t camera = 0;  ///< into cameras
-    /// The world position that poses are relative to: 0, but in the middle of scenes that lie far from 0 for their size.
+    /// The world position that poses are relative to: 0, but in the middle of scenes that lie far from 0 for their
+    /// size.
     glm::vec3 origin{0};
     std::optional<uint32_t> bounceCap;  ///< asset extras "restirpg": {"bounces": n}: the scene's own bounce cap
     float duration = 0;  ///< s, the end of the last animation key
@@ -140,9 +144,10 @@ struct Scene {
 /// A node's matrix towards its parent.
 glm::mat4 localMatrix(const Node& node);
 
-/// World matrices of all nodes at a time, relative to Scene::origin, in the order of Scene::nodes. Times outside a channel's keys are clamped.
-/// Every one has an inverse: what is scaled to nothing becomes thinner than anything seen instead. Throws Error where one is not
-/// finite. `overrides` (empty, or one a node) replaces the local matrix of a node that a user moved.
+/// World matrices of all nodes at a time, relative to Scene::origin, in the order of Scene::nodes. Times outside a
+/// channel's keys are clamped. Every one has an inverse: what is scaled to nothing becomes thinner than anything seen
+/// instead. Throws Error where one is not finite. `overrides` (empty, or one a node) replaces the local matrix of a
+/// node that a user moved.
 std::vector<glm::mat4> poseNodes(const Scene& scene, float time,
                                  const std::vector<std::optional<glm::mat4>>& overrides = {});
 

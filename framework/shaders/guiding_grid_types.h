@@ -1,8 +1,9 @@
 // The guiding grid: a hash table from places to mixtures of directions. Shared by C++ and GLSL: see types.h.
 //
-// Two buffers have this form, each a GuidingHeader, then `capacity` keys (64 bits, 0: empty slot), then one record a slot:
-// statistics (GuidingSums, then GuidingPlaceSums) as GuidingSplat adds them up in a frame, and the guide (GuidingCell, then
-// GuidingMemory) that GuidingFit makes of them. Each frame has fresh ones: nothing is ever mutated in place [shaders/README: The guiding grid].
+// Two buffers have this form, each a GuidingHeader, then `capacity` keys (64 bits, 0: empty slot), then one record a
+// slot: statistics (GuidingSums, then GuidingPlaceSums) as GuidingSplat adds them up in a frame, and the guide
+// (GuidingCell, then GuidingMemory) that GuidingFit makes of them. Each frame has fresh ones: nothing is ever mutated
+// in place [shaders/README: The guiding grid].
 #ifndef RESTIRPG_GUIDING_GRID_TYPES_H
 #define RESTIRPG_GUIDING_GRID_TYPES_H
 #include "scene_types.h"
@@ -12,12 +13,14 @@ RESTIRPG_SHARED
 RESTIRPG_CONST GUIDING_LOBES = 4u;
 /// Slots tried for a key, from its own on.
 RESTIRPG_CONST GUIDING_PROBES = 32u;
-/// Fractional bits of the sums: integers, so that the order of the atomics does not matter [shaders/README: Fixed point].
+/// Fractional bits of the sums: integers, so that the order of the atomics does not matter [shaders/README: Fixed
+/// point].
 RESTIRPG_CONST GUIDING_FRACTION_BITS = 24u;
 /// Most that one sample weighs.
 RESTIRPG_CONST GUIDING_LARGEST_WEIGHT = 65536u;
 
-/// What keys are made from. A cell's side is the power of two times `smallest` below `scale` times its distance from the camera.
+/// What keys are made from. A cell's side is the power of two times `smallest` below `scale` times its distance from
+/// the camera.
 struct GuidingGrid {
     vec3 camera;  ///< of the frame in which the samples were splatted
     float scale;
@@ -42,15 +45,18 @@ struct GuidingHeader {
     uint guiding;  ///< cells that guide
 };
 
-/// Sums over the samples of a cell in a frame, fixed point: of responsibilities times direction and of responsibilities, a lobe.
+/// Sums over the samples of a cell in a frame, fixed point: of responsibilities times direction and of
+/// responsibilities, a lobe.
 struct GuidingSums {
     Address lanes[16];  ///< lobe k: x, y, z, 1 from 4 k on
-    Address strangest;  ///< of the sample that the mixture explains worst: how badly (upper half), and its packed direction
+    /// Of the sample that the mixture explains worst: how badly (upper half), and its packed direction
+    Address strangest;
     Address bsdf;  ///< of the BSDF's responsibilities, with GUIDING_ALPHA
     uint count;  ///< samples
 };
 
-/// Where the samples lie and how far they look, for parallax: lobe k's inverse distance (1/m), then the place within the cell, in cell sides.
+/// Where the samples lie and how far they look, for parallax: lobe k's inverse distance (1/m), then the place within
+/// the cell, in cell sides.
 struct GuidingPlaceSums {
     Address lanes[7];
 };

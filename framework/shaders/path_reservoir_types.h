@@ -4,11 +4,14 @@
 #include "scene_types.h"
 RESTIRPG_SHARED
 
-/// One path x_0 (camera), x_1 (primary hit), ..., x_D (light) chosen by resampling, as its pixel sees it [shaders/README: The shift and its Jacobian].
-/// k is the index of the reconnection vertex: 2 <= k < D a surface, k = D the light point, k = 0 none (the last bounce is a delta).
-/// Bounces 1 ... k - 2 (k = 0: all) are replayed when the path is shifted. All zero: empty. 92 bytes.
+/// One path x_0 (camera), x_1 (primary hit), ..., x_D (light) chosen by resampling, as its pixel sees it
+/// [shaders/README: The shift and its Jacobian]. k is the index of the reconnection vertex: 2 <= k < D a surface, k = D
+/// the light point, k = 0 none (the last bounce is a delta). Bounces 1 ... k - 2 (k = 0: all) are replayed when the
+/// path is shifted. All zero: empty. 92 bytes.
 struct PathReservoir {
-    vec3 f;  ///< light the path sends to the camera, per product of solid angles (counting measure: delta lobes, punctual lights)
+    /// Light the path sends to the camera, per product of solid angles (counting measure: delta lobes, punctual
+    /// lights)
+    vec3 f;
     float ucw;  ///< unbiased contribution weight W; 0: carries no light
     float confidence;  ///< M: how many pixels' candidates stand behind it
     uint shape;  ///< D | k << 8 | bounce u is a delta: 1 << (15 + u)
@@ -20,11 +23,13 @@ struct PathReservoir {
     uvec2 anchor;  ///< 0 < k < D: instance and triangle of x_k; else LightPoint's instance and index
     vec2 place;  ///< barycentrics of x_k; else LightPoint::place
     uint direction;  ///< 0 < k < D: packed direction in which the path leaves x_k
-    float geometry;  ///< d(solid angle at x_{k-1}) / d(measure of x_k), up to a constant: |cos| / d^2; 1: environment, punctual
+    /// d(solid angle at x_{k-1}) / d(measure of x_k), up to a constant: |cos| / d^2; 1: environment, punctual
+    float geometry;
     vec3 suffix;  ///< 0 < k < D: everything beyond the bounce at x_k: bounces, absorption, light
 };
 
-/// Smooth bounces whose direction is kept; a path that would have to replay a later one cannot be shifted [shaders/README: What may reconnect].
+/// Smooth bounces whose direction is kept; a path that would have to replay a later one cannot be shifted
+/// [shaders/README: What may reconnect].
 RESTIRPG_CONST PATH_PREFIX = 4u;
 /// Longest path: labels of 16 bounces.
 RESTIRPG_CONST PATH_MAX_EDGES = 17u;

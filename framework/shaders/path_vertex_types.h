@@ -4,11 +4,12 @@
 #include "scene_types.h"
 RESTIRPG_SHARED
 
-/// A smooth bounce of a path: where, and in which direction it leaves. Of pixel p, bounce u >= 1 is number p * stride + u - 1, stride being
-/// the bounce cap + 1. All zero: no bounce, or a sharp one. 16 bytes (Zeng et al. 2025: 52).
+/// A smooth bounce of a path: where, and in which direction it leaves. Of pixel p, bounce u >= 1 is number p * stride +
+/// u - 1, stride being the bounce cap + 1. All zero: no bounce, or a sharp one. 16 bytes (Zeng et al. 2025: 52).
 struct PathVertex {
-    uvec2 position;  ///< 20 bits a coordinate in the cube of POSITION_EXTENT radii about the scene's center, x in the lowest bits; then
-                     ///< the face (VERTEX_FACE_*) and VERTEX_VALID, in the second word
+    /// 20 bits a coordinate in the cube of POSITION_EXTENT radii about the scene's center, x in the lowest bits; then
+    uvec2 position;
+    ///< the face (VERTEX_FACE_*) and VERTEX_VALID, in the second word
     uint direction;  ///< packed, see pack_direction
     uint surface;  ///< material (16 bits), VERTEX_* flags, VERTEX_DENSITY_*, VERTEX_SCATTER_*
 };
@@ -22,14 +23,17 @@ RESTIRPG_CONST VERTEX_FACE_SHIFT = 28u;  ///< 3 bits: the main axis of the geome
 RESTIRPG_CONST VERTEX_VALID = 1u << 31u;
 RESTIRPG_CONST VERTEX_FINAL = 1u << 16u;  ///< the edge ends on the light
 RESTIRPG_CONST VERTEX_LIGHT_SAMPLED = 1u << 17u;  ///< ... and next event estimation made it
-RESTIRPG_CONST VERTEX_DENSITY_SHIFT = 18u;  ///< the BSDF's density of the direction within the smooth label, 1/sr, see pack_logarithm
+/// The BSDF's density of the direction within the smooth label, 1/sr, see pack_logarithm
+RESTIRPG_CONST VERTEX_DENSITY_SHIFT = 18u;
 RESTIRPG_CONST VERTEX_SCATTER_SHIFT = 25u;  ///< luminance of f |cos|, likewise
 RESTIRPG_CONST VERTEX_LOGARITHM_BITS = 7u;
 
-/// One bounce of a raw path tree, with what came back along it. `weight` makes it a sample of the incident radiance. 24 bytes.
+/// One bounce of a raw path tree, with what came back along it. `weight` makes it a sample of the incident radiance. 24
+/// bytes.
 struct GuidingSample {
     PathVertex vertex;
-    float weight;  ///< luminance of the estimate of the incident radiance, over the density of the direction; 0: no light came
+    /// Luminance of the estimate of the incident radiance, over the density of the direction; 0: no light came
+    float weight;
     float distance;  ///< m, to the next vertex; INFINITE_DISTANCE: the path escaped
 };
 

@@ -40,13 +40,14 @@ struct TextureRef {
 };
 
 RESTIRPG_CONST MATERIAL_DOUBLE_SIDED = 1u;  ///< emits on both sides; scattering is always two-sided
-RESTIRPG_CONST MATERIAL_ALPHA_MASK = 2u;    ///< surface is absent where alpha < alphaCutoff
-RESTIRPG_CONST MATERIAL_SOLID = 4u;         ///< KHR_materials_volume with thickness > 0: refracts and absorbs
-RESTIRPG_CONST MATERIAL_EMISSIVE = 8u;      ///< emission can be non-zero
-RESTIRPG_CONST MATERIAL_TEXTURED = 16u;     ///< some map but the emissive one is there
+RESTIRPG_CONST MATERIAL_ALPHA_MASK = 2u;  ///< surface is absent where alpha < alphaCutoff
+RESTIRPG_CONST MATERIAL_SOLID = 4u;  ///< KHR_materials_volume with thickness > 0: refracts and absorbs
+RESTIRPG_CONST MATERIAL_EMISSIVE = 8u;  ///< emission can be non-zero
+RESTIRPG_CONST MATERIAL_TEXTURED = 16u;  ///< some map but the emissive one is there
 RESTIRPG_CONST MATERIAL_EMISSION_TEXTURED = 32u;  ///< the emissive one is
 
-/// Layout of energyTable (framework/scene/energy_table.h): rows of roughness, columns of cosine and a mean a row, two sides.
+/// Layout of energyTable (framework/scene/energy_table.h): rows of roughness, columns of cosine and a mean a row, two
+/// sides.
 RESTIRPG_CONST ENERGY_ROWS = 32u;
 RESTIRPG_CONST ENERGY_COLUMNS = 32u;
 RESTIRPG_CONST ENERGY_TABLE = 2u * ENERGY_ROWS * (ENERGY_COLUMNS + 1u);
@@ -157,9 +158,9 @@ struct BvhGrid {
     float unused;
 };
 
-/// A two-child BVH node. A box has a word an axis, its lower side in the low 16 bits, its upper side in the high ones, rounded outwards.
-/// A child >= 0 is the index of an inner node; a child < 0 is a leaf of count primitives from first on:
-/// child = ~(first << BVH_LEAF_BITS | count - 1). 32 bytes.
+/// A two-child BVH node. A box has a word an axis, its lower side in the low 16 bits, its upper side in the high ones,
+/// rounded outwards. A child >= 0 is the index of an inner node; a child < 0 is a leaf of count primitives from first
+/// on: child = ~(first << BVH_LEAF_BITS | count - 1). 32 bytes.
 struct BvhNode {
     uvec3 box0;
     uvec3 box1;
@@ -167,7 +168,8 @@ struct BvhNode {
     int child1;
 };
 RESTIRPG_CONST BVH_LEAF_BITS = 3u;
-/// Entries of the traversal stack: the deepest two-level path, one entry a level and one for the way out of an instance.
+/// Entries of the traversal stack: the deepest two-level path, one entry a level and one for the way out of an
+/// instance.
 RESTIRPG_CONST BVH_STACK = 64u;
 
 /// A triangle as traversal reads it (Moeller-Trumbore). 48 bytes.
@@ -180,8 +182,8 @@ struct BvhTriangle {
     uint unused;
 };
 
-/// What a leaf of the software back end's top level refers to: the static batch (triangles of everything that stands still, in
-/// world space) or an instance of a mesh with a hierarchy of its own.
+/// What a leaf of the software back end's top level refers to: the static batch (triangles of everything that stands
+/// still, in world space) or an instance of a mesh with a hierarchy of its own.
 struct BvhObject {
     Address nodes;  ///< BvhNode[]
     Address triangles;  ///< BvhTriangle[]
@@ -194,8 +196,9 @@ struct BvhObject {
 RESTIRPG_CONST INSTANCE_BYTES = 64u, POSE_BYTES = 48u, TRIANGLE_BYTES = 16u, VERTEX_BYTES = 32u, MATERIAL_BYTES = 320u,
                BVH_NODE_BYTES = 32u, BVH_TRIANGLE_BYTES = 48u;
 #ifdef __cplusplus
-static_assert(sizeof(Instance) == INSTANCE_BYTES && sizeof(mat4x3) == POSE_BYTES && sizeof(MeshTriangle) == TRIANGLE_BYTES &&
-              sizeof(MeshVertex) == VERTEX_BYTES && sizeof(Material) == MATERIAL_BYTES && sizeof(BvhNode) == BVH_NODE_BYTES &&
+static_assert(sizeof(Instance) == INSTANCE_BYTES && sizeof(mat4x3) == POSE_BYTES &&
+              sizeof(MeshTriangle) == TRIANGLE_BYTES && sizeof(MeshVertex) == VERTEX_BYTES &&
+              sizeof(Material) == MATERIAL_BYTES && sizeof(BvhNode) == BVH_NODE_BYTES &&
               sizeof(BvhTriangle) == BVH_TRIANGLE_BYTES);
 #endif
 
@@ -234,8 +237,8 @@ struct Hit {
     vec2 barycentrics;  ///< weights of the second and third vertex
 };
 
-/// What a pixel sees: the payload type of the graph's "Surface" ports. With the hit stands what reuse compares pixels by, as the
-/// camera saw it in its frame, so that to choose neighbours takes no look at the scene. 24 bytes.
+/// What a pixel sees: the payload type of the graph's "Surface" ports. With the hit stands what reuse compares pixels
+/// by, as the camera saw it in its frame, so that to choose neighbours takes no look at the scene. 24 bytes.
 struct PrimaryHit {
     Hit hit;
     uint normal;  ///< interpolated normal on the camera's side, packed (pack_direction); not set where the ray escaped

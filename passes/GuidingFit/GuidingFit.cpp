@@ -15,24 +15,41 @@ public:
         io.ofThisFrame();
         io.input("history", history_, layout, "the output guide, one frame ago: prev(\"fit.guide\")");
         io.ofFrameBefore();
-        io.output("guide", guide_, layout, "a mixture of up to four von Mises-Fisher lobes per cell, from which the next frame's paths are sampled");
-        io.knob("cells", cells_, 1u << 10, 1u << 21, "slots of the hash table, rounded up to a power of two; GuidingSplat's must be the same");
+        io.output(
+            "guide", guide_, layout,
+            "a mixture of up to four von Mises-Fisher lobes per cell, from which the next frame's paths are sampled");
+        io.knob("cells", cells_, 1u << 10, 1u << 21,
+                "slots of the hash table, rounded up to a power of two; GuidingSplat's must be the same");
         io.structural();
         io.knob("minimum", minimum_, 1, 1e6f, "least number of samples that a cell is fitted to");
-        io.knob("pool", pool_, "a cell with fewer than `minimum` samples keeps them for the next frame; off: it drops them and keeps its lobes");
+        io.knob("pool", pool_,
+                "a cell with fewer than `minimum` samples keeps them for the next frame; off: it drops them and keeps "
+                "its lobes");
         io.structural();
-        io.knob("decay", decay_, 0, 0.999f, "factor by which a cell's sums count in the next frame's fit; 0: they are forgotten (Zeng et al. 2025: 0)");
+        io.knob(
+            "decay", decay_, 0, 0.999f,
+            "factor by which a cell's sums count in the next frame's fit; 0: they are forgotten (Zeng et al. 2025: 0)");
         io.structural();
         io.knob("oldest", oldest_, 0, 10000, "frames for which a cell goes on guiding when no path reaches it");
         io.knob("lobes", lobes_, 1, GUIDING_LOBES, "number of lobes in a cell's mixture (Zeng et al. 2025: 4)");
-        io.knob("weight_prior", weightPrior_, 0, 1000, "samples that are added to the count of each lobe: a larger value keeps the weights more even");
-        io.knob("concentration_prior", concentrationPrior_, 0, 1000, "samples without a preferred direction that are added to each lobe: a larger value makes narrow lobes wider");
+        io.knob("weight_prior", weightPrior_, 0, 1000,
+                "samples that are added to the count of each lobe: a larger value keeps the weights more even");
+        io.knob("concentration_prior", concentrationPrior_, 0, 1000,
+                "samples without a preferred direction that are added to each lobe: a larger value makes narrow lobes "
+                "wider");
         io.knob("largest_kappa", largestKappa_, 1, 32000, "largest concentration (kappa) of a lobe");
         io.knob("reseed", reseed_, "move a lobe that no sample belongs to, to the sample that the mixture fits worst");
-        io.knob("cosine", cosine_, "multiply the lobes by the cosine when they are read; use it with GuidingSplat's `incident`, whose lobes lack the cosine");
-        io.knob("learn_alpha", learnAlpha_, "each cell learns alpha, the probability of sampling the BSDF; off: alpha is the tracing pass's");
-        io.knob("alpha_prior", alphaPrior_, 0, 1000, "samples of the BSDF and of the guide that are added to a cell's own, where learn_alpha is on: a larger value keeps alpha nearer to 0.5");
-        io.knob("parallax", parallax_, "aim each lobe at the mean distance of what its samples hit; needs GuidingSplat's `parallax`, and a `decay`");
+        io.knob("cosine", cosine_,
+                "multiply the lobes by the cosine when they are read; use it with GuidingSplat's `incident`, whose "
+                "lobes lack the cosine");
+        io.knob("learn_alpha", learnAlpha_,
+                "each cell learns alpha, the probability of sampling the BSDF; off: alpha is the tracing pass's");
+        io.knob("alpha_prior", alphaPrior_, 0, 1000,
+                "samples of the BSDF and of the guide that are added to a cell's own, where learn_alpha is on: a "
+                "larger value keeps alpha nearer to 0.5");
+        io.knob("parallax", parallax_,
+                "aim each lobe at the mean distance of what its samples hit; needs GuidingSplat's `parallax`, and a "
+                "`decay`");
         io.structural();
     }
 

@@ -5,10 +5,12 @@
 RESTIRPG_SHARED
 
 RESTIRPG_CONST SCREEN_LOBE_NONE = 0u;  ///< not guidable
-RESTIRPG_CONST SCREEN_LOBE_GAUSSIAN = 1u;  ///< in the equal-area square of the hemisphere about the normal (hemisphere_square.glsl)
+/// In the equal-area square of the hemisphere about the normal (hemisphere_square.glsl)
+RESTIRPG_CONST SCREEN_LOBE_GAUSSIAN = 1u;
 RESTIRPG_CONST SCREEN_LOBE_VMF = 2u;
 
-/// Weighted moments of the directions that a pixel has seen, smoothed over its samples. A weight is radiance over density.
+/// Weighted moments of the directions that a pixel has seen, smoothed over its samples. A weight is radiance over
+/// density.
 struct ScreenStatistics {
     vec3 first;  ///< mean of weight times (Gaussian: place z in the square, 0; vMF: world-space direction)
     vec3 second;  ///< Gaussian: mean of weight times (z_x^2, z_y^2, z_x z_y); vMF: unused

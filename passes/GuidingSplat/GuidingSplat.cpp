@@ -19,18 +19,26 @@ public:
     void describe(Interface& io) override
     {
         // Whatever the bounce cap, readers take the vertices' count a pixel from the buffer's size.
-        io.optionalInput("vertices", vertices_, fixedSize("PathVertices", {}), "bounces of resampled paths, each of weight 1; wire this or `samples`");
-        io.optionalInput("samples", samples_, fixedSize("GuidingSamples", {}), "bounces of raw path trees, weighted by the light that came back; wire this or `vertices`");
-        io.optionalInput("guide", guide_, fixedSize("GridGuide", {}), "the guide that drew the paths, one frame ago: prev(\"fit.guide\")");
-        io.output("statistics", statistics_, fixedSize("GuidingStatistics", [this] { return bytes(); }), "sufficient statistics of this frame, per cell");
+        io.optionalInput("vertices", vertices_, fixedSize("PathVertices", {}),
+                         "bounces of resampled paths, each of weight 1; wire this or `samples`");
+        io.optionalInput("samples", samples_, fixedSize("GuidingSamples", {}),
+                         "bounces of raw path trees, weighted by the light that came back; wire this or `vertices`");
+        io.optionalInput("guide", guide_, fixedSize("GridGuide", {}),
+                         "the guide that drew the paths, one frame ago: prev(\"fit.guide\")");
+        io.output("statistics", statistics_, fixedSize("GuidingStatistics", [this] { return bytes(); }),
+                  "sufficient statistics of this frame, per cell");
         io.knob("cells", cells_, 1u << 10, 1u << 21, "slots of the hash table, rounded up to a power of two");
         io.structural();
-        io.knob("cell_size", cellSize_, 1e-3f, 1, "largest side of a cell as seen in the image, as a share of the image's height");
+        io.knob("cell_size", cellSize_, 1e-3f, 1,
+                "largest side of a cell as seen in the image, as a share of the image's height");
         io.knob("smallest_cell", smallestCell_, 1e-5f, 1, "smallest side of a cell, as a share of the scene's radius");
         io.structural();
-        io.choice("final_edges", finalEdges_, FINAL_EDGES, "which path edges that end on a light are added: all, only those found by scattering, or none");
-        io.knob("incident", incident_, "divide by the BSDF and the cosine, so that lobes fit the incident radiance alone");
-        io.knob("parallax", parallax_, "also add up distances and positions, so that GuidingFit can aim lobes by them (its `parallax`)");
+        io.choice("final_edges", finalEdges_, FINAL_EDGES,
+                  "which path edges that end on a light are added: all, only those found by scattering, or none");
+        io.knob("incident", incident_,
+                "divide by the BSDF and the cosine, so that lobes fit the incident radiance alone");
+        io.knob("parallax", parallax_,
+                "also add up distances and positions, so that GuidingFit can aim lobes by them (its `parallax`)");
         io.structural();
     }
 
@@ -41,7 +49,8 @@ public:
         if (vertices_ && parallax_)
             fail("parallax=true needs samples: vertices do not say how far they look");
         if (samples_ && (incident_ || finalEdges_ != "all"))
-            fail("incident and final_edges are for vertices: samples have their weights, and none is marked as the last");
+            fail("incident and final_edges are for vertices: samples have their weights, and none is marked as the "
+                 "last");
     }
 
     void build(Device& device) override { kernel_ = Kernel(device, passFile("Splat.comp")); }
@@ -49,7 +58,8 @@ public:
     void record(Frame& frame) override
     {
         const uint64_t pixels = uint64_t(frame.width()) * frame.height();
-        const uint64_t bytes = vertices_ ? vertices_->bytes() / sizeof(PathVertex) : samples_->bytes() / sizeof(GuidingSample);
+        const uint64_t bytes =
+            vertices_ ? vertices_->bytes() / sizeof(PathVertex) : samples_->bytes() / sizeof(GuidingSample);
         GuidingSplatParameters parameters{};
         parameters.frame = frame.constants();
         parameters.vertices = addressOf(vertices_);
@@ -58,7 +68,8 @@ public:
         parameters.statistics = statistics_->address();
         parameters.stride = uint32_t(bytes / pixels);
         parameters.capacity = capacity();
-        parameters.finalEdges = uint32_t(std::find(FINAL_EDGES.begin(), FINAL_EDGES.end(), finalEdges_) - FINAL_EDGES.begin());
+        parameters.finalEdges =
+            uint32_t(std::find(FINAL_EDGES.begin(), FINAL_EDGES.end(), finalEdges_) - FINAL_EDGES.begin());
         parameters.incident = incident_;
         parameters.parallax = parallax_;
         parameters.cellSize = cellSize_;

@@ -24,22 +24,39 @@ public:
     {
         io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
         io.ofThisFrame();
-        io.optionalInput("guide", guide_, anyGuide(), "directions to sample, with the GLSL module of the pass that makes them; unwired: a plain path tracer");
-        io.output("radiance", radiance_, image(3), "estimate of the light scattered to the camera, by one path per tree, W/sr/m^2, without emission of the primary hit");
+        io.optionalInput(
+            "guide", guide_, anyGuide(),
+            "directions to sample, with the GLSL module of the pass that makes them; unwired: a plain path tracer");
+        io.output("radiance", radiance_, image(3),
+                  "estimate of the light scattered to the camera, by one path per tree, W/sr/m^2, without emission of "
+                  "the primary hit");
         io.output("candidates", candidates_, perPixel<PathReservoir>("PathReservoir"),
-                  "one path per pixel, resampled from all that end on the way of its path trees; without direct light but what delta lobes find");
-        io.output("vertices", vertices_, severalPerPixel<PathVertex>("PathVertices", [this] { return guidedBounces(); }),
+                  "one path per pixel, resampled from all that end on the way of its path trees; without direct light "
+                  "but what delta lobes find");
+        io.output("vertices", vertices_,
+                  severalPerPixel<PathVertex>("PathVertices", [this] { return guidedBounces(); }),
                   "the first guided_bounces bounces of the candidate path, bounces + 1 at most");
-        io.output("samples", samples_, severalPerPixel<GuidingSample>("GuidingSamples", [this] { return trees_ * guidedBounces(); }),
-                  "the first guided_bounces bounces of the path trees, bounces + 1 at most, with the light that came back along each");
-        io.knob("bounces", bounces_, 0, 64, "bounce cap n: light reaches the camera over at most n + 2 path edges, as Zeng et al. 2025 count");
+        io.output("samples", samples_,
+                  severalPerPixel<GuidingSample>("GuidingSamples", [this] { return trees_ * guidedBounces(); }),
+                  "the first guided_bounces bounces of the path trees, bounces + 1 at most, with the light that came "
+                  "back along each");
+        io.knob("bounces", bounces_, 0, 64,
+                "bounce cap n: light reaches the camera over at most n + 2 path edges, as Zeng et al. 2025 count");
         io.structural();
-        io.knob("nee", nee_, "connect every vertex to a light (next event estimation), combined with scattering by the balance heuristic");
-        io.knob("direct", direct_, "include direct light at the primary hit; off where ReSTIRDI computes it (light through delta lobes is always included)");
-        io.knob("alpha", alpha_, 0, 1, "probability of sampling a smooth bounce by the BSDF instead of the guide, where there is guidance (Zeng et al. 2025: 0.5)");
-        io.knob("guided_bounces", guidedBounces_, 1, 64, "bounces from the primary hit on that the guide draws, and is trained on; later ones follow the BSDF");
+        io.knob("nee", nee_,
+                "connect every vertex to a light (next event estimation), combined with scattering by the balance "
+                "heuristic");
+        io.knob("direct", direct_,
+                "include direct light at the primary hit; off where ReSTIRDI computes it (light through delta lobes is "
+                "always included)");
+        io.knob("alpha", alpha_, 0, 1,
+                "probability of sampling a smooth bounce by the BSDF instead of the guide, where there is guidance "
+                "(Zeng et al. 2025: 0.5)");
+        io.knob("guided_bounces", guidedBounces_, 1, 64,
+                "bounces from the primary hit on that the guide draws, and is trained on; later ones follow the BSDF");
         io.structural();
-        io.knob("trees", trees_, 1, MAX_TREES, "path trees per pixel and frame, each a path of its own from the primary hit on");
+        io.knob("trees", trees_, 1, MAX_TREES,
+                "path trees per pixel and frame, each a path of its own from the primary hit on");
         io.structural();
         io.choice("fault", fault_, FAULTS, "for tests only: build this mistake into the candidates");
         io.structural();
@@ -48,14 +65,16 @@ public:
     void check() const override
     {
         if (wantsTree() && bounces_ > MAX_CANDIDATE_BOUNCES)
-            fail("candidates hold paths of at most {} bounces, 'bounces' is {}; set it lower", MAX_CANDIDATE_BOUNCES, bounces_);
+            fail("candidates hold paths of at most {} bounces, 'bounces' is {}; set it lower", MAX_CANDIDATE_BOUNCES,
+                 bounces_);
     }
 
     void build(Device& device) override
     {
         device_ = &device;
         const bool guided = !guide_.module.empty();
-        const Defines defines = {{"GUIDED", guided ? "1" : "0"}, {"VERTICES", vertices_ ? "1" : "0"}, {"SAMPLES", samples_ ? "1" : "0"}};
+        const Defines defines = {
+            {"GUIDED", guided ? "1" : "0"}, {"VERTICES", vertices_ ? "1" : "0"}, {"SAMPLES", samples_ ? "1" : "0"}};
         const Includes includes = {{"guide_module.glsl", guide_.module}};
         const auto fault = std::find(FAULTS.begin(), FAULTS.end(), fault_) - FAULTS.begin();
         Defines treeDefines = defines;
@@ -94,7 +113,8 @@ private:
 
     uint32_t guidedBounces() const { return std::min(guidedBounces_, bounces_ + 1); }
 
-    /// While one tree is traced, the bounces of the path that is kept from those before it lie in the one array or the other.
+    /// While one tree is traced, the bounces of the path that is kept from those before it lie in the one array or the
+    /// other.
     Address spareVertices()
     {
         if (!vertices_ || trees_ == 1)
@@ -121,4 +141,6 @@ private:
 }  // namespace restirpg
 
 using restirpg::PathTracerGuided;
-RESTIRPG_PASS(PathTracerGuided, "Traces paths from each pixel: next event estimation and BSDF sampling, weighted by the balance heuristic")
+RESTIRPG_PASS(
+    PathTracerGuided,
+    "Traces paths from each pixel: next event estimation and BSDF sampling, weighted by the balance heuristic")

@@ -35,7 +35,8 @@ public:
         io.together({"motion", "previous_surface", "history"});
         io.output("radiance", radiance_, image(3),
                   "direct light scattered to the camera through lobes that are not deltas, W/sr/m^2");
-        io.output("reservoirs", reservoirs_, reservoir, "the light point that each pixel keeps at the end of the frame");
+        io.output("reservoirs", reservoirs_, reservoir,
+                  "the light point that each pixel keeps at the end of the frame");
         io.knob("candidates", candidates_, 1, 1024, "light points drawn per pixel");
         io.knob("bsdf_candidates", bsdfCandidates_, 0, 16, "light points found by scattering, per pixel");
         io.knob("temporal", temporal_, "merge with what the same surface kept in the frame before");
@@ -43,7 +44,8 @@ public:
         io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
         io.knob("neighbours", neighbours_, 1, MAX_NEIGHBOURS, "pixels drawn in one round");
         io.knob("pool", pool_, 1, MAX_POOL,
-                "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one that is drawn, as published");
+                "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one "
+                "that is drawn, as published");
         io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
         io.knob("least_radius", leastRadius_, 1, 1000, "least radius of the disk, in pixels of the rendered image");
         io.choice("mis", mis_, {"pairwise", "balance"},

@@ -25,18 +25,21 @@ public:
         io.ofThisFrame();
         io.input("candidates", candidates_, reservoir, "this frame's candidate path, one per pixel");
         io.ofThisFrame();
-        io.optionalInput("motion", motion_, motionVectors(), "where the point was in the frame before, minus where it is, in pixels");
+        io.optionalInput("motion", motion_, motionVectors(),
+                         "where the point was in the frame before, minus where it is, in pixels");
         io.ofThisFrame();
         io.optionalInput("previous_surface", previousSurface_, perPixel<PrimaryHit>("Surface"),
                          "the surface one frame ago: prev(\"gbuffer.surface\")");
         io.ofFrameBefore();
-        io.optionalInput("history", history_, reservoir, "the output reservoirs, one frame ago: prev(\"reuse.reservoirs\")");
+        io.optionalInput("history", history_, reservoir,
+                         "the output reservoirs, one frame ago: prev(\"reuse.reservoirs\")");
         io.ofFrameBefore();
         io.optionalInput("candidate_vertices", candidateVertices_, anyPerPixel("PathVertices"),
                          "the bounces of the candidates; needed by the output vertices");
         io.ofThisFrame();
         io.optionalInput("history_vertices", historyVertices_, anyPerPixel("PathVertices"),
-                         "the output vertices, one frame ago: prev(\"reuse.vertices\"); needed by the output vertices under temporal reuse");
+                         "the output vertices, one frame ago: prev(\"reuse.vertices\"); needed by the output vertices "
+                         "under temporal reuse");
         io.ofFrameBefore();
         io.together({"motion", "previous_surface", "history"});
         io.output("radiance", radiance_, image(3), "light of the chosen path, W/sr/m^2");
@@ -44,15 +47,19 @@ public:
         io.output("vertices", vertices_, asMuchAs("PathVertices", candidateVertices_),
                   "the bounces of that path as it stands in this pixel, as many as candidate_vertices has");
         io.knob("temporal", temporal_, "merge with what the same surface kept in the frame before");
-        io.knob("cap", cap_, 1, 1000, "largest confidence of the history, in multiples of the candidate's own (Lin et al. 2022: 20)");
+        io.knob("cap", cap_, 1, 1000,
+                "largest confidence of the history, in multiples of the candidate's own (Lin et al. 2022: 20)");
         io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
         io.knob("neighbours", neighbours_, 1, MAX_REUSE_NEIGHBOURS, "pixels drawn in one round");
         io.knob("pool", pool_, 1, MAX_REUSE_POOL,
-                "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one that is drawn, as published");
+                "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one "
+                "that is drawn, as published");
         io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
         io.knob("least_radius", leastRadius_, 1, 1000, "least radius of the disk, in pixels of the rendered image");
-        io.knob("normal_threshold", normalThreshold_, -1, 1, "smallest cosine between the shading normals of pixels that are merged");
-        io.knob("depth_threshold", depthThreshold_, 0, 1000, "largest relative difference of their distances from the camera");
+        io.knob("normal_threshold", normalThreshold_, -1, 1,
+                "smallest cosine between the shading normals of pixels that are merged");
+        io.knob("depth_threshold", depthThreshold_, 0, 1000,
+                "largest relative difference of their distances from the camera");
         io.choice("fault", fault_, FAULTS, "for tests only: build this mistake in, the picture is wrong");
         io.structural();
     }
@@ -62,7 +69,8 @@ public:
         if (vertices_ && (!candidateVertices_ || (history_ && !historyVertices_)))
             fail("the output 'vertices' needs candidate_vertices and, with history, history_vertices; wire them");
         if (vertices_ && historyVertices_ && historyVertices_.pixelBytes() != candidateVertices_.pixelBytes())
-            fail("history_vertices has {} B per pixel, candidate_vertices {}; wire this pass's own vertices of the frame before",
+            fail("history_vertices has {} B per pixel, candidate_vertices {}; wire this pass's own vertices of the "
+                 "frame before",
                  historyVertices_.pixelBytes(), candidateVertices_.pixelBytes());
     }
 
@@ -100,9 +108,10 @@ public:
             frame.dispatchPixels(shadeKernel_, parameters);
         if (vertices_)
             frame.dispatchPixels(verticesKernel_,
-                                 ReuseVerticesParameters{parameters.frame, parameters.surface, parameters.source, parameters.originSource,
-                                                         candidateVertices_->address(), addressOf(historyVertices_), vertices_->address(),
-                                                         uint32_t(candidateVertices_.pixelBytes() / sizeof(PathVertex))});
+                                 ReuseVerticesParameters{
+                                     parameters.frame, parameters.surface, parameters.source, parameters.originSource,
+                                     candidateVertices_->address(), addressOf(historyVertices_), vertices_->address(),
+                                     uint32_t(candidateVertices_.pixelBytes() / sizeof(PathVertex))});
     }
 
 private:
@@ -126,12 +135,14 @@ private:
         return p;
     }
 
-    /// Where a stage writes that still has `left` stages after it: the output for the last, else one of two buffers of our own.
+    /// Where a stage writes that still has `left` stages after it: the output for the last, else one of two buffers of
+    /// our own.
     void setDestination(ReuseParameters& parameters, const Frame& frame, uint32_t left)
     {
         const uint64_t pixels = uint64_t(frame.width()) * frame.height();
         const uint32_t own = left == 0 ? 2 : left % 2;
-        parameters.reservoirs = left == 0 && reservoirs_ ? reservoirs_->address() : scratch(scratch_[own], pixels * sizeof(PathReservoir));
+        parameters.reservoirs =
+            left == 0 && reservoirs_ ? reservoirs_->address() : scratch(scratch_[own], pixels * sizeof(PathReservoir));
         if (vertices_)
             parameters.origins = scratch(originScratch_[left % 2], pixels * sizeof(uint32_t));
     }

@@ -14,7 +14,8 @@ struct ReuseParameters {
     Address history;  ///< PathReservoir a pixel, one frame ago
     Address reservoirs;  ///< PathReservoir a pixel, written
     Address radiance;  ///< vec3 a pixel; 0: nobody reads it
-    Address originSource;  ///< the origin (see merge.glsl) of each path of `source`, a uint per pixel; 0: each pixel's own candidate
+    /// The origin (see merge.glsl) of each path of `source`, a uint per pixel; 0: each pixel's own candidate
+    Address originSource;
     Address origins;  ///< the origin of each path of `reservoirs`, written; 0: nobody reads vertices
     float cap;  ///< confidence of the history, at most, times that of the pixel's own
     float radius;  ///< of the disk of neighbours, see disk_radius
@@ -44,7 +45,8 @@ RESTIRPG_CONST MAX_REUSE_POOL = 32u;
 RESTIRPG_CONST REUSE_FAULT_NONE = 0u;
 RESTIRPG_CONST REUSE_FAULT_JACOBIAN = 1u;  ///< every shift's Jacobian is 1
 RESTIRPG_CONST REUSE_FAULT_MIS = 2u;  ///< the history's target in its own domain is taken without the Jacobian
-RESTIRPG_CONST REUSE_FAULT_CAP = 3u;  ///< the history's MIS weight uses its confidence before the cap, the other one that after
+/// The history's MIS weight uses its confidence before the cap, the other one that after
+RESTIRPG_CONST REUSE_FAULT_CAP = 3u;
 RESTIRPG_CONST REUSE_FAULT_PREVIOUS_CAMERA = 4u;  ///< the previous frame's surfaces are seen by this frame's camera
 RESTIRPG_CONST REUSE_FAULT_CONFIDENCE = 5u;  ///< pixels without a sample take no part
 RESTIRPG_CONST REUSE_FAULT_VISIBILITY = 6u;  ///< nothing is traced along the edge that connects a shifted path

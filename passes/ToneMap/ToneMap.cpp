@@ -20,7 +20,8 @@ public:
         io.input("image", image_, image(3), "radiance, linear Rec.709");
         io.output("display", display_, image(3), "sRGB, encoded, 0 to 1");
         io.knob("exposure", exposure_, -20, 20, "stops: radiance is multiplied by 2 to this power");
-        io.choice("curve", curve_, CURVES, "linear: clip at 1; reinhard: compress the luminance (Reinhard et al. 2002)");
+        io.choice("curve", curve_, CURVES,
+                  "linear: clip at 1; reinhard: compress the luminance (Reinhard et al. 2002)");
         io.knob("white", white_, 0.1f, 1000, "luminance after exposure that reinhard maps to 1");
     }
 
@@ -29,8 +30,8 @@ public:
     void record(Frame& frame) override
     {
         const auto curve = std::find(CURVES.begin(), CURVES.end(), curve_) - CURVES.begin();
-        frame.dispatchPixels(kernel_, ToneMapParameters{frame.constants(), image_->address(), display_->address(), std::exp2(exposure_),
-                                                        white_, uint32_t(curve)});
+        frame.dispatchPixels(kernel_, ToneMapParameters{frame.constants(), image_->address(), display_->address(),
+                                                        std::exp2(exposure_), white_, uint32_t(curve)});
     }
 
 private:

@@ -28,15 +28,23 @@ TEST(Error, ControlCharactersAndMarksOfDirectionAreEscaped)
     EXPECT_EQ(escaped("\x1b]0;title\x07"), "\\x1b]0;title\\x07");
     EXPECT_EQ(escaped("a\r\n\tb\x7f"), "a\\r\\n\\tb\\x7f");
     EXPECT_EQ(escaped(std::string_view("a\0b", 3)), "a\\x00b");
-    EXPECT_EQ(escaped("\xc2\x9b" "31m"), "\\x9b31m");  // CSI as one character
-    EXPECT_EQ(escaped("gpj.\xe2\x80\xae" "exe"), "gpj.\\u202eexe");
-    EXPECT_EQ(escaped("a\xe2\x80\xa8" "b"), "a\\u2028b");
+    EXPECT_EQ(escaped("\xc2\x9b"
+                      "31m"),
+              "\\x9b31m");  // CSI as one character
+    EXPECT_EQ(escaped("gpj.\xe2\x80\xae"
+                      "exe"),
+              "gpj.\\u202eexe");
+    EXPECT_EQ(escaped("a\xe2\x80\xa8"
+                      "b"),
+              "a\\u2028b");
     EXPECT_EQ(escaped("a\nb\x1b", Breaks::kept), "a\nb\\x1b");
 }
 
 TEST(Error, BytesThatAreNoUtf8AreEscaped)
 {
-    EXPECT_EQ(escaped("\xff" "a\xc3"), "\\xffa\\xc3");  // cut inside a character
+    EXPECT_EQ(escaped("\xff"
+                      "a\xc3"),
+              "\\xffa\\xc3");  // cut inside a character
     EXPECT_EQ(escaped("\xe5\x8f"), "\\xe5\\x8f");
     EXPECT_EQ(escaped("\xc0\xaf \xe0\x80\xaf"), "\\xc0\\xaf \\xe0\\x80\\xaf");  // overlong
     EXPECT_EQ(escaped("\xed\xa0\x80"), "\\xed\\xa0\\x80");  // a surrogate
@@ -47,9 +55,18 @@ TEST(Error, BytesThatAreNoUtf8AreEscaped)
 TEST(Error, WhatIsShownOfATextEndsBetweenCharacters)
 {
     EXPECT_EQ(printable("kurz"), "kurz");
-    EXPECT_EQ(printable("abc\xc3\xa9" "def", 4), "abc...");
-    EXPECT_EQ(printable("abc\xc3\xa9" "def", 5), "abc\xc3\xa9...");
-    EXPECT_EQ(printable("ab\xf0\x9f\x9b\x8b" "def", 5), "ab...");
+    EXPECT_EQ(printable("abc\xc3\xa9"
+                        "def",
+                        4),
+              "abc...");
+    EXPECT_EQ(printable("abc\xc3\xa9"
+                        "def",
+                        5),
+              "abc\xc3\xa9...");
+    EXPECT_EQ(printable("ab\xf0\x9f\x9b\x8b"
+                        "def",
+                        5),
+              "ab...");
     EXPECT_EQ(printable("a\nb"), "a\\nb");
 }
 

@@ -11,7 +11,8 @@ namespace {
 size_t saidWith(const std::string& part)
 {
     const auto said = saidWarnings();
-    return size_t(std::count_if(said.begin(), said.end(), [&](const auto& text) { return text.find(part) != text.npos; }));
+    return size_t(
+        std::count_if(said.begin(), said.end(), [&](const auto& text) { return text.find(part) != text.npos; }));
 }
 
 TEST(Log, OneTextIsSaidOnce)

@@ -44,12 +44,60 @@ size_t pick(std::mt19937& random, size_t count)
 
 json awkward(std::mt19937& random)
 {
-    static const std::vector<json> VALUES = {
-        -1, 0, 1, 2, 3, 4, 255, 5120, 5121, 5122, 5123, 5125, 5126, 9728, 33071, 1000000, 2147483647, 2147483648u,
-        4294967295u, 18446744073709551615u, 1e30, -1e30, 1e300, 1e-30, 1e-45, 0.5, -0.0, nullptr, true, false, "", "x",
-        "SCALAR", "VEC2", "VEC3", "VEC4", "MAT4", "MASK", "BLEND", "STEP", "CUBICSPLINE", "weights", "translation",
-        "../x", "%2e%2e/x", "data:application/octet-stream;base64,AAAA", "data:image/png;base64,", "a\xcc\x88\x01\n",
-        json::array(), json::object(), {1, 2}, {1, 2, 3}, {0, 0, 0, 0}, {{"a", 1}}};
+    static const std::vector<json> VALUES = {-1,
+                                             0,
+                                             1,
+                                             2,
+                                             3,
+                                             4,
+                                             255,
+                                             5120,
+                                             5121,
+                                             5122,
+                                             5123,
+                                             5125,
+                                             5126,
+                                             9728,
+                                             33071,
+                                             1000000,
+                                             2147483647,
+                                             2147483648u,
+                                             4294967295u,
+                                             18446744073709551615u,
+                                             1e30,
+                                             -1e30,
+                                             1e300,
+                                             1e-30,
+                                             1e-45,
+                                             0.5,
+                                             -0.0,
+                                             nullptr,
+                                             true,
+                                             false,
+                                             "",
+                                             "x",
+                                             "SCALAR",
+                                             "VEC2",
+                                             "VEC3",
+                                             "VEC4",
+                                             "MAT4",
+                                             "MASK",
+                                             "BLEND",
+                                             "STEP",
+                                             "CUBICSPLINE",
+                                             "weights",
+                                             "translation",
+                                             "../x",
+                                             "%2e%2e/x",
+                                             "data:application/octet-stream;base64,AAAA",
+                                             "data:image/png;base64,",
+                                             "a\xcc\x88\x01\n",
+                                             json::array(),
+                                             json::object(),
+                                             {1, 2},
+                                             {1, 2, 3},
+                                             {0, 0, 0, 0},
+                                             {{"a", 1}}};
     return VALUES[pick(random, VALUES.size())];
 }
 
@@ -57,12 +105,18 @@ json otherNumber(const json& value, std::mt19937& random)
 {
     const double number = value.get<double>();
     switch (pick(random, 6)) {
-    case 0: return number + 1;
-    case 1: return number - 1;
-    case 2: return number * 2;
-    case 3: return -number;
-    case 4: return int64_t(random());
-    default: return number * 1e10;
+    case 0:
+        return number + 1;
+    case 1:
+        return number - 1;
+    case 2:
+        return number * 2;
+    case 3:
+        return -number;
+    case 4:
+        return int64_t(random());
+    default:
+        return number * 1e10;
     }
 }
 
@@ -84,7 +138,9 @@ void edit(json& root, std::mt19937& random)
         else if (place.is_array() && !place.empty())
             place.erase(place.begin() + long(pick(random, place.size())));
         break;
-    case 1: place = other; break;
+    case 1:
+        place = other;
+        break;
     case 2:
         if (place.is_object())
             place[anyName(places, random)] = pick(random, 2) ? other : awkward(random);
@@ -193,13 +249,16 @@ Bytes mutated(Target target, const uint8_t* data, size_t size, std::mt19937& ran
 {
     try {
         switch (target) {
-        case Target::gltf: return mutatedGlb(data, size, random);
+        case Target::gltf:
+            return mutatedGlb(data, size, random);
         case Target::graph: {
             const std::string text = editedJson({data, data + size}, random);
             return {text.begin(), text.end()};
         }
-        case Target::image: return size > 1 && data[0] == 0x89 ? mutatedImage(data, size) : Bytes();
-        default: return {};
+        case Target::image:
+            return size > 1 && data[0] == 0x89 ? mutatedImage(data, size) : Bytes();
+        default:
+            return {};
         }
     } catch (const std::exception&) {
         return {};

@@ -83,16 +83,21 @@ void readAs(Target target, const uint8_t* data, size_t size)
 {
     static const Folder folder;
     switch (target) {
-    case Target::gltf: return readScene(folder.write("scene.glb", data, size));
-    case Target::image: return decodeTexture({data, size});
+    case Target::gltf:
+        return readScene(folder.write("scene.glb", data, size));
+    case Target::image:
+        return decodeTexture({data, size});
     case Target::exr: {
         const auto file = folder.write("a.exr", data, size);
         readRadiance(file);
         readExrAttributes(file);
         return;
     }
-    case Target::hdr: (void)readRadiance(folder.write("a.hdr", data, size)); return;
-    case Target::graph: return readGraph(folder.write("g.json", data, size));
+    case Target::hdr:
+        (void)readRadiance(folder.write("a.hdr", data, size));
+        return;
+    case Target::graph:
+        return readGraph(folder.write("g.json", data, size));
     }
 }
 

@@ -75,11 +75,16 @@ std::vector<Bytes> graphs()
 std::vector<Bytes> seeds(Target target)
 {
     switch (target) {
-    case Target::gltf: return scenes();
-    case Target::image: return images();
-    case Target::exr: return exrs();
-    case Target::hdr: return hdrs();
-    default: return graphs();
+    case Target::gltf:
+        return scenes();
+    case Target::image:
+        return images();
+    case Target::exr:
+        return exrs();
+    case Target::hdr:
+        return hdrs();
+    default:
+        return graphs();
     }
 }
 

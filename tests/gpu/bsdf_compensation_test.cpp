@@ -1,8 +1,8 @@
 // The BSDF with energy compensation: furnaces, chi-square and reciprocity as without it.
 //
 // Null hypotheses: a white material returns exactly 1 from every direction (2^18 draws, 4 standard errors and
-// INTERPOLATION); counts of draws are multinomial with the pdf's integrals (1% over the test, Bonferroni); exchanging the
-// directions changes nothing.
+// INTERPOLATION); counts of draws are multinomial with the pdf's integrals (1% over the test, Bonferroni); exchanging
+// the directions changes nothing.
 #include "../support/statistics.h"
 #include "bsdf_measure.h"
 #include "scene/energy_table.h"
@@ -144,8 +144,8 @@ TEST_F(Compensated, DrawsFollowTheirPdf)
         EXPECT_NEAR(integrals.mass, 1 - drawn.lost, 2e-3 + 4.5 * std::sqrt(drawn.lost / DRAWS));
         const ChiSquare result = chiSquare(drawn.counts, integrals.expected);
         EXPECT_GT(result.p, bonferroni(cases.size()))
-            << "metallic " << test.metallic << ", transmission " << test.transmission << ", solid " << test.solid << ", lobe "
-            << test.lobe << ", cosine " << test.wo.z << ": chi-square " << result.statistic;
+            << "metallic " << test.metallic << ", transmission " << test.transmission << ", solid " << test.solid
+            << ", lobe " << test.lobe << ", cosine " << test.wo.z << ": chi-square " << result.statistic;
         BsdfCase wrong = test;
         wrong.error = ERROR_BEND;
         if (test.lobe == LOBE_DIFFUSE && test.metallic == 1) {

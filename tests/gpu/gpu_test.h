@@ -1,8 +1,8 @@
 // What GPU tests share: one device with validation on, kernels by file name, one call to run them.
 #pragma once
 
-#include "gpu/kernel.h"
 #include "gpu/binding_set.h"
+#include "gpu/kernel.h"
 
 #include <gtest/gtest.h>
 

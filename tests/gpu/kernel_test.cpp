@@ -91,7 +91,8 @@ TEST(Kernel, TheFirstMistakeIsThrownWithItsPlaceByFinishKernels)
         });
         ADD_FAILURE() << "nothing was thrown";
     } catch (const Error& error) {
-        EXPECT_EQ(std::string(error.what()), fs::canonical(bad).string() + ":2: 'nothing' : no matching overloaded function found");
+        EXPECT_EQ(std::string(error.what()),
+                  fs::canonical(bad).string() + ":2: 'nothing' : no matching overloaded function found");
     }
     EXPECT_EQ(told, (std::vector<uint32_t>{0, 1}));
     EXPECT_EQ(fourth.pipeline().groupSize().x, 8u);
@@ -113,10 +114,12 @@ TEST(Kernel, AMistakeIsOneLine)
         }
         return std::string();
     };
-    EXPECT_EQ(messageOf("void main() {\n    nothing();\n    a = 1;\n}\n"), "FILE:3: 'nothing' : no matching overloaded function found");
+    EXPECT_EQ(messageOf("void main() {\n    nothing();\n    a = 1;\n}\n"),
+              "FILE:3: 'nothing' : no matching overloaded function found");
     EXPECT_EQ(messageOf("#include \"none.glsl\"\nvoid main() {}\n"),
               "FILE:2: '#include' : Could not process include directive for header name: none.glsl");
-    EXPECT_EQ(messageOf("void other();\nvoid main() { other(); }\n"), "FILE: Linking compute stage: No function definition (body) found: other(");
+    EXPECT_EQ(messageOf("void other();\nvoid main() { other(); }\n"),
+              "FILE: Linking compute stage: No function definition (body) found: other(");
 }
 
 TEST(Kernel, AnEditOfAnIncludedFileIsSeen)

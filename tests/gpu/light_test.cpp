@@ -185,8 +185,8 @@ TEST(LightSampling, LightsAreSelectedByTheirProbability)
     EXPECT_LT(selection(scene, ERROR_BEND).p, 1e-6);
 }
 
-/// What cells and stored positions are measured by stands still while nodes move about the scene, and follows when they leave it;
-/// powers follow every pose.
+/// What cells and stored positions are measured by stands still while nodes move about the scene, and follows when they
+/// leave it; powers follow every pose.
 TEST(LightSampling, TheSceneIsMeasuredAgainWhenItsNodesLeaveIt)
 {
     Scene source = triangleLightScene();

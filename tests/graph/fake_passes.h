@@ -154,8 +154,8 @@ const PluginEntry* entry(const char* name)
 inline Plugins fakePlugins()
 {
     return Plugins({entry<GBuffer>("GBuffer"), entry<Paths>("Paths"), entry<Fit>("Fit"),
-                    entry<Accumulate>("Accumulate"), entry<Blur>("Blur"), entry<Twice>("Twice"),
-                    entry<Reuse>("Reuse"), entry<Apart>("Apart")});
+                    entry<Accumulate>("Accumulate"), entry<Blur>("Blur"), entry<Twice>("Twice"), entry<Reuse>("Reuse"),
+                    entry<Apart>("Apart")});
 }
 
 }  // namespace restirpg::test

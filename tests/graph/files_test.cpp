@@ -89,7 +89,8 @@ TEST_F(GraphFile, ALoopWithoutEndIsEndedAndLocated)
 {
     setenv("RESTIRPG_GRAPH_SECONDS", "1", 1);
     const std::string said = ": evaluating the graph file takes more than 1 s; look for a loop that does not end";
-    const auto deaf = python(IMPORT + "def f():\n    while True:\n        try:\n            pass\n        except:\n            pass\nf()\n");
+    const auto deaf = python(
+        IMPORT + "def f():\n    while True:\n        try:\n            pass\n        except:\n            pass\nf()\n");
     EXPECT_TRUE(deaf.starts_with("g.py:") && deaf.ends_with(said) && deaf[5] >= '3' && deaf[5] <= '6') << deaf;
     EXPECT_EQ(python("import time\n\ntime.sleep(1000)\n"), "g.py:3" + said);
     // In one operation that takes longer.
@@ -108,7 +109,8 @@ TEST_F(GraphFile, AGraphIsBounded)
 {
     EXPECT_EQ(python(IMPORT + "graph = Graph('G')\nfor i in range(100000):\n    graph.add(f'p{i}', 'P')\n"),
               "g.py:4: a graph has at most 1000 passes");
-    EXPECT_EQ(python("import os\nbytes(os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES') // 2)\n"), "g.py:2: MemoryError");
+    EXPECT_EQ(python("import os\nbytes(os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES') // 2)\n"),
+              "g.py:2: MemoryError");
     std::string passes;
     for (int i = 0; i < 100000; ++i)
         passes += (i ? "," : "") + std::string(R"({"name":"p","type":"P"})");
@@ -118,7 +120,8 @@ TEST_F(GraphFile, AGraphIsBounded)
     for (int i = 0; i < 1000; ++i)
         passes += (i ? "," : "") + std::string("7");
     write("g.json", R"({"name":"G","passes":[)" + passes + "]}");
-    EXPECT_TRUE(refusal("g.json").ends_with("g.json: pass 49 is not an object\nand 950 more mistakes")) << refusal("g.json");
+    EXPECT_TRUE(refusal("g.json").ends_with("g.json: pass 49 is not an object\nand 950 more mistakes"))
+        << refusal("g.json");
     mkfifo("pipe.json", 0600);
     EXPECT_EQ(refusal("pipe.json"), "pipe.json: cannot read the graph file: it is a pipe or a device");
 }
@@ -127,7 +130,8 @@ TEST_F(GraphFile, NamesInMessagesAreOneLineOfText)
 {
     write("g.json", R"({"name":"G","passes":[{"name":"a\u001b]0;b\nc","type":"P"}]})");
     EXPECT_EQ(refusal("g.json").find('\x1b'), std::string::npos);
-    EXPECT_EQ(refusal("g\x1b[31m\n\xff.json"), "g\\x1b[31m\\n\\xff.json: cannot read the graph file: No such file or directory");
+    EXPECT_EQ(refusal("g\x1b[31m\n\xff.json"),
+              "g\\x1b[31m\\n\\xff.json: cannot read the graph file: No such file or directory");
     EXPECT_EQ(python("raise ValueError('a\\x1b[31mb')\n"), "g.py:1: ValueError: a\\x1b[31mb");
 }
 
@@ -236,12 +240,15 @@ TEST_F(PluginLibraries, BrokenOnesAreNamedWhenAskedForAndSpoilNoOther)
                                             "restirpg-pass-Renamed.so");
     EXPECT_EQ(problem("Nameless"), folder + "/restirpg-pass-Nameless.so: its entry lacks a name; end its source with "
                                             "RESTIRPG_PASS(Nameless, \"...\")");
-    EXPECT_EQ(problem("Meaningless"), folder + "/restirpg-pass-Meaningless.so: its entry lacks a meaning; end its source with "
-                                               "RESTIRPG_PASS(Meaningless, \"...\")");
-    EXPECT_EQ(problem("Uncreated"), folder + "/restirpg-pass-Uncreated.so: its entry lacks a function that creates the pass; end "
-                                             "its source with RESTIRPG_PASS(Uncreated, \"...\")");
-    EXPECT_EQ(problem("Sourceless"), folder + "/restirpg-pass-Sourceless.so: its entry lacks the folder of its source; end its source "
-                                              "with RESTIRPG_PASS(Sourceless, \"...\")");
+    EXPECT_EQ(problem("Meaningless"),
+              folder + "/restirpg-pass-Meaningless.so: its entry lacks a meaning; end its source with "
+                       "RESTIRPG_PASS(Meaningless, \"...\")");
+    EXPECT_EQ(problem("Uncreated"),
+              folder + "/restirpg-pass-Uncreated.so: its entry lacks a function that creates the pass; end "
+                       "its source with RESTIRPG_PASS(Uncreated, \"...\")");
+    EXPECT_EQ(problem("Sourceless"),
+              folder + "/restirpg-pass-Sourceless.so: its entry lacks the folder of its source; end its source "
+                       "with RESTIRPG_PASS(Sourceless, \"...\")");
     EXPECT_TRUE(problem("Garbage").ends_with(
         "restirpg-pass-Garbage.so: file too short; rebuild the pass against this framework"))
         << problem("Garbage");
@@ -324,7 +331,8 @@ TEST_F(GraphFile, WhatWasReadIsNotWritten)
         return std::string();
     };
     for (const char* name : {"input.exr", "./sub/../input.exr", "link.exr", "hard.exr"})
-        EXPECT_EQ(refused(name), std::string(name) + ": cannot write: it is the file input.exr, which was read; choose another name");
+        EXPECT_EQ(refused(name),
+                  std::string(name) + ": cannot write: it is the file input.exr, which was read; choose another name");
     EXPECT_EQ(refused("other.exr"), "");
 }
 

@@ -13,9 +13,10 @@ TEST(GraphMistakes, ACorrectGraphHasNone)
 
 TEST(GraphMistakes, UnknownPassTypeListsThePassesAndTheNearest)
 {
-    EXPECT_EQ(mistakes(pathTracer().add("more", "Path").graph),
-              "g.py:5: there is no pass type 'Path'\n"
-              "    pass types: Accumulate, Apart, Blur, Fit, GBuffer, Paths, Reuse, Twice        did you mean 'Paths'?");
+    EXPECT_EQ(
+        mistakes(pathTracer().add("more", "Path").graph),
+        "g.py:5: there is no pass type 'Path'\n"
+        "    pass types: Accumulate, Apart, Blur, Fit, GBuffer, Paths, Reuse, Twice        did you mean 'Paths'?");
 }
 
 TEST(GraphMistakes, DuplicatePassNameNamesTheFirst)
@@ -98,10 +99,14 @@ TEST(GraphMistakes, InputsThatGoTogetherAreAllWiredOrNone)
     EXPECT_EQ(mistakes(pathTracer().add("reuse", "Reuse", {{"motion", "gbuffer.normal"}, {"history", nullptr}}).graph),
               "g.py:5: pass 'reuse' (Reuse) has 'motion' wired, but not 'history'\n"
               "    wire all of motion, history, or none");
-    EXPECT_EQ(mistakes(pathTracer().add("reuse", "Reuse").add("all", "Reuse", {{"motion", "gbuffer.normal"}, {"history", "~all.merged"}}).graph),
+    EXPECT_EQ(mistakes(pathTracer()
+                           .add("reuse", "Reuse")
+                           .add("all", "Reuse", {{"motion", "gbuffer.normal"}, {"history", "~all.merged"}})
+                           .graph),
               "");
     EXPECT_EQ(mistakes(pathTracer().add("apart", "Apart", {{"image", "gbuffer.normal"}}).graph),
-              "g.py:5: pass 'apart' (Apart) describes itself wrongly: 'image' is no optional input, or not yet: declare it before together()");
+              "g.py:5: pass 'apart' (Apart) describes itself wrongly: 'image' is no optional input, or not yet: "
+              "declare it before together()");
 }
 
 TEST(GraphMistakes, TypeMismatchNamesBothTypesAndWhatFits)
@@ -197,12 +202,13 @@ TEST(GraphMistakes, AreCollectedWithoutFollowingOnes)
         .add("paths", "Paths", {{"surface", "gbuffer.surface"}}, {{"bounces", 100}, {"bounce", 1}})
         .output("image", "paths.radiance")
         .output("depth", "gbuffer.depth");
-    EXPECT_EQ(mistakes(writer.graph),
-              "g.py:1: there is no pass type 'Gbuffer'\n"
-              "    pass types: Accumulate, Apart, Blur, Fit, GBuffer, Paths, Reuse, Twice        did you mean 'GBuffer'?\n"
-              "g.py:2: pass 'paths' (Paths) has no knob 'bounce'\n"
-              "    knobs: bounces, roughness, offset, cells, note, nee        did you mean 'bounces'?\n"
-              "g.py:2: pass 'paths' (Paths): knob 'bounces' must be a whole number from 0 to 64, not 100");
+    EXPECT_EQ(
+        mistakes(writer.graph),
+        "g.py:1: there is no pass type 'Gbuffer'\n"
+        "    pass types: Accumulate, Apart, Blur, Fit, GBuffer, Paths, Reuse, Twice        did you mean 'GBuffer'?\n"
+        "g.py:2: pass 'paths' (Paths) has no knob 'bounce'\n"
+        "    knobs: bounces, roughness, offset, cells, note, nee        did you mean 'bounces'?\n"
+        "g.py:2: pass 'paths' (Paths): knob 'bounces' must be a whole number from 0 to 64, not 100");
 }
 
 TEST(GraphMistakes, JsonOfTheWrongShapeIsNamedByPlace)

@@ -23,6 +23,7 @@ public:
 #endif
 
 #ifdef TEST_PLUGIN_NAME
-extern "C" __attribute__((visibility("default"))) const restirpg::PluginEntry restirpgPlugin = {
-    restirpg::PLUGIN_ABI + TEST_PLUGIN_ABI_OFFSET, TEST_PLUGIN_NAME, TEST_PLUGIN_MEANING, TEST_PLUGIN_CREATE, TEST_PLUGIN_SOURCE};
+extern "C" __attribute__((visibility("default")))
+const restirpg::PluginEntry restirpgPlugin = {restirpg::PLUGIN_ABI + TEST_PLUGIN_ABI_OFFSET, TEST_PLUGIN_NAME,
+                                              TEST_PLUGIN_MEANING, TEST_PLUGIN_CREATE, TEST_PLUGIN_SOURCE};
 #endif

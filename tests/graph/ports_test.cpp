@@ -1,4 +1,5 @@
-// Which output an input takes: by what it means, how large it is and of which frame it is. And what plugins' own checks refuse.
+// Which output an input takes: by what it means, how large it is and of which frame it is. And what plugins' own checks
+// refuse.
 #include "describing.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +13,8 @@ public:
     void describe(Interface& io) override
     {
         io.output("grid", grid_, guide("GridGuide", fixedSize("", [] { return 1024; }), "grid.glsl"), "A cell each");
-        io.output("screen", screen_, guide("ScreenGuide", fixedSize("", [] { return 1024; }), "screen.glsl"), "A pixel each");
+        io.output("screen", screen_, guide("ScreenGuide", fixedSize("", [] { return 1024; }), "screen.glsl"),
+                  "A pixel each");
     }
 
 private:
@@ -73,7 +75,8 @@ struct Throwing final : FakePass {
     {
         io.output("image", image_, image(3), "Picture");
         if (where == Where::size)
-            io.output("sized", sized_, fixedSize("Sized", []() -> uint64_t { throw std::runtime_error("bad day"); }), "Items");
+            io.output("sized", sized_, fixedSize("Sized", []() -> uint64_t { throw std::runtime_error("bad day"); }),
+                      "Items");
         if (where == Where::description)
             throw std::runtime_error("bad day");
         if (where == Where::number)
@@ -92,7 +95,8 @@ private:
 template <Throwing::Where where>
 const PluginEntry* throwing(const char* name)
 {
-    static const PluginEntry ENTRY{PLUGIN_ABI, name, "A fake", []() -> std::unique_ptr<Pass> { return std::make_unique<Throwing>(where); }};
+    static const PluginEntry ENTRY{PLUGIN_ABI, name, "A fake",
+                                   []() -> std::unique_ptr<Pass> { return std::make_unique<Throwing>(where); }};
     return &ENTRY;
 }
 
@@ -105,9 +109,10 @@ const PluginEntry* none()
 Plugins plugins()
 {
     using Where = Throwing::Where;
-    return Plugins({entry<Guides>("Guides"), entry<Reader>("Reader"), entry<Sized>("Sized"), throwing<Where::constructor>("Made"),
-                    throwing<Where::description>("Described"), throwing<Where::check>("Checked"), throwing<Where::size>("Measured"), throwing<Where::number>("Number"),
-                    none()});
+    return Plugins({entry<Guides>("Guides"), entry<Reader>("Reader"), entry<Sized>("Sized"),
+                    throwing<Where::constructor>("Made"), throwing<Where::description>("Described"),
+                    throwing<Where::check>("Checked"), throwing<Where::size>("Measured"),
+                    throwing<Where::number>("Number"), none()});
 }
 
 std::string refusalOf(const Writer& writer)
@@ -133,9 +138,10 @@ TEST(GraphPorts, AFamilysInputTakesAllOfItAndOneTypesInputThatTypeAlone)
     EXPECT_EQ(reading({{"any", "guides.grid"}}), "");
     EXPECT_EQ(reading({{"any", "guides.screen"}}), "");
     EXPECT_EQ(reading({{"grid", "guides.grid"}}), "");
-    EXPECT_EQ(reading({{"grid", "~guides.screen"}}),
-              "g.py:2: input 'grid' of pass 'reader' (Reader) takes GridGuide, but prev(\"guides.screen\") is ScreenGuide\n"
-              "    outputs of type GridGuide: guides.grid");
+    EXPECT_EQ(
+        reading({{"grid", "~guides.screen"}}),
+        "g.py:2: input 'grid' of pass 'reader' (Reader) takes GridGuide, but prev(\"guides.screen\") is ScreenGuide\n"
+        "    outputs of type GridGuide: guides.grid");
     EXPECT_EQ(reading({{"any", "reader.image"}}),
               "g.py:2: input 'any' of pass 'reader' (Reader) takes Guide, but reader.image is Image3\n"
               "    outputs of type Guide: guides.grid, guides.screen");
@@ -145,27 +151,33 @@ TEST(GraphPorts, AnInputThatIsOfOneFrameTakesNoOther)
 {
     EXPECT_EQ(reading({{"history", "~reader.image"}}), "");
     Writer writer;
-    writer.add("first", "Reader").add("reader", "Reader", {{"history", "first.image"}, {"now", "~first.image"}}).output("image", "reader.image");
-    EXPECT_EQ(refusalOf(writer),
-              "g.py:2: input 'history' of pass 'reader' (Reader) takes what was made one frame ago, but first.image is of this frame\n"
-              "    wire it to prev(\"first.image\")\n"
-              "g.py:2: input 'now' of pass 'reader' (Reader) takes what was made in this frame, but prev(\"first.image\") is of the frame "
-              "before\n"
-              "    wire it to first.image");
+    writer.add("first", "Reader")
+        .add("reader", "Reader", {{"history", "first.image"}, {"now", "~first.image"}})
+        .output("image", "reader.image");
+    EXPECT_EQ(refusalOf(writer), "g.py:2: input 'history' of pass 'reader' (Reader) takes what was made one frame ago, "
+                                 "but first.image is of this frame\n"
+                                 "    wire it to prev(\"first.image\")\n"
+                                 "g.py:2: input 'now' of pass 'reader' (Reader) takes what was made in this frame, but "
+                                 "prev(\"first.image\") is of the frame "
+                                 "before\n"
+                                 "    wire it to first.image");
 }
 
 TEST(GraphPorts, SizesThatKnobsGiveMustAgree)
 {
     const auto sized = [](uint32_t made, uint32_t wanted, const char* input) {
         Writer writer;
-        writer.add("a", "Sized", {}, {{"count", made}}).add("b", "Sized", {{input, "a.items"}}, {{"count", wanted}}).output("o", "b.items");
+        writer.add("a", "Sized", {}, {{"count", made}})
+            .add("b", "Sized", {{input, "a.items"}}, {{"count", wanted}})
+            .output("o", "b.items");
         return writer;
     };
     EXPECT_EQ(refusalOf(sized(3, 3, "items")), "");
     EXPECT_EQ(refusalOf(sized(3, 2, "any")), "");
-    EXPECT_EQ(refusalOf(sized(3, 2, "items")),
-              "g.py:2: input 'items' of pass 'b' (Sized) reads 8 B/pixel, but a.items of pass 'a' (Sized) has 12 B/pixel\n"
-              "    give both the same knobs: 'count' (2 and 3)");
+    EXPECT_EQ(
+        refusalOf(sized(3, 2, "items")),
+        "g.py:2: input 'items' of pass 'b' (Sized) reads 8 B/pixel, but a.items of pass 'a' (Sized) has 12 B/pixel\n"
+        "    give both the same knobs: 'count' (2 and 3)");
     // A graph that was right, on its way from one value to another.
     Graph graph(sized(3, 3, "items").graph, plugins());
     graph.setKnob("a.count", 5);
@@ -187,7 +199,9 @@ TEST(GraphPorts, APassesOwnCheckIsLocated)
 TEST(GraphPorts, ACopyOfAPassHasItsWiringAndKnobs)
 {
     Writer writer;
-    writer.add("a", "Sized", {}, {{"count", 3}}).add("b", "Sized", {{"items", "a.items"}}, {{"count", 3}}).output("o", "b.items");
+    writer.add("a", "Sized", {}, {{"count", 3}})
+        .add("b", "Sized", {{"items", "a.items"}}, {{"count", 3}})
+        .output("o", "b.items");
     Graph graph(writer.graph, plugins());
     auto& original = *graph.find("b");
     const GraphPass copy = graph.copyOf(original);
@@ -209,7 +223,8 @@ TEST(GraphPlugins, ACodeThatThrowsIsNamed)
     };
     EXPECT_EQ(alone("Made"), "g.py:1: pass 'it' (Made) cannot be created: bad day");
     EXPECT_EQ(alone("Described"), "g.py:1: pass 'it' (Described) describes itself wrongly: bad day");
-    EXPECT_EQ(alone("Number"), "g.py:1: pass 'it' (Number) describes itself wrongly: it threw what is no std::exception");
+    EXPECT_EQ(alone("Number"),
+              "g.py:1: pass 'it' (Number) describes itself wrongly: it threw what is no std::exception");
     EXPECT_EQ(alone("Checked"), "g.py:1: pass 'it' (Checked): bad day");
     EXPECT_EQ(alone("Measured"), "g.py:1: pass 'it' (Measured): bad day");
     EXPECT_EQ(alone("None"), "g.py:1: pass 'it' (None) cannot be created: its plugin gave none");

@@ -1,8 +1,8 @@
-// A graph that the wiring check accepts renders. Random wirings of every pass, right and wrong, with random knobs: each is refused in
-// located lines before anything is built, or renders three frames without a validation message.
+// A graph that the wiring check accepts renders. Random wirings of every pass, right and wrong, with random knobs: each
+// is refused in located lines before anything is built, or renders three frames without a validation message.
 //
-// RESTIRPG_WIRINGS=500 tries as many. The wiring that is being tried lies in random_wiring.json beside the test program: a graph
-// file for `restirpg render`, should the program end here.
+// RESTIRPG_WIRINGS=500 tries as many. The wiring that is being tried lies in random_wiring.json beside the test
+// program: a graph file for `restirpg render`, should the program end here.
 #include "../scene/gltf_builder.h"
 #include "image/image.h"
 #include "render/executor.h"
@@ -113,7 +113,8 @@ private:
                         const bool fits = input.type.takes(output.type) && (delayed || source < pass) &&
                                           input.moment != (delayed ? Moment::thisFrame : Moment::frameBefore);
                         if (fits || !fitting)
-                            sources.push_back({{"pass", nameOf(source)}, {"output", output.name}, {"delayed", delayed}});
+                            sources.push_back(
+                                {{"pass", nameOf(source)}, {"output", output.name}, {"delayed", delayed}});
                     }
             if (!sources.empty())
                 inputs[input.name] = sources[below(sources.size())];
@@ -159,7 +160,8 @@ private:
 class RandomWirings : public testing::Test {
 protected:
     RandomWirings()
-        : device_({.device = "", .backend = "", .validation = true}), pose_(poseNodes(scene_, 0)), sceneGpu_(device_, scene_, pose_)
+        : device_({.device = "", .backend = "", .validation = true}), pose_(poseNodes(scene_, 0)),
+          sceneGpu_(device_, scene_, pose_)
     {
     }
 

@@ -66,8 +66,13 @@ std::unique_ptr<Graph> graphOf(const json& knobs)
 TEST(ThrowingPass, IsNamedWhenItBuilds)
 {
     Device device(DeviceOptions{.device = testDevice(), .validation = true});
-    EXPECT_EQ(messageOf([&] { Executor(device, graphOf({{"built", "error"}}), 8, 8, {}); }), "g.py:1: pass 'it' (Throwing): bad\\nday\\x1b");
-    EXPECT_EQ(messageOf([&] { Executor(device, graphOf({{"built", "number"}}), 8, 8, {}); }),
+    EXPECT_EQ(messageOf([&] {
+                  Executor(device, graphOf({{"built", "error"}}), 8, 8, {});
+              }),
+              "g.py:1: pass 'it' (Throwing): bad\\nday\\x1b");
+    EXPECT_EQ(messageOf([&] {
+                  Executor(device, graphOf({{"built", "number"}}), 8, 8, {});
+              }),
               "g.py:1: pass 'it' (Throwing): it threw what is no std::exception");
     EXPECT_EQ(device.allocatedBytes(), 0u);
 }
@@ -89,7 +94,8 @@ TEST(ThrowingPass, IsNamedWhenItRecordsOrIsBuiltAnewAndRunsAfterwards)
     executor.setKnob(pass, "recorded", "fine");
     EXPECT_EQ(messageOf(run), "");
     EXPECT_EQ(Throwing::read, first) << "history is that of the last frame that was";
-    EXPECT_EQ(messageOf([&] { executor.setKnob(pass, "built", "error"); }), "g.py:1: pass 'it' (Throwing): bad\\nday\\x1b");
+    EXPECT_EQ(messageOf([&] { executor.setKnob(pass, "built", "error"); }),
+              "g.py:1: pass 'it' (Throwing): bad\\nday\\x1b");
     EXPECT_EQ(pass.interface.knobs()[0].get(), "fine");
     EXPECT_EQ(messageOf(run), "");
     EXPECT_EQ(executor.frame(), 3u);

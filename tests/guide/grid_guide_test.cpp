@@ -1,9 +1,9 @@
-// The guiding grid's samplers on the GPU: one von Mises-Fisher lobe, a cell's mixture as GuidingFit's module looks it up (with lobes
-// multiplied by the cosine, or aimed at what they saw), and one-sample MIS of a BSDF and the guide.
+// The guiding grid's samplers on the GPU: one von Mises-Fisher lobe, a cell's mixture as GuidingFit's module looks it
+// up (with lobes multiplied by the cosine, or aimed at what they saw), and one-sample MIS of a BSDF and the guide.
 //
-// Null hypothesis of each chi-square: the counts of 2^20 draws in 64 x 32 bins of equal solid angle are multinomial with the integrals
-// of the textbook density in double precision (of the GPU's own density where a BSDF takes part). False-alarm rate: 1% over the
-// comparisons of a test. Samplers that are wrong on purpose must be rejected.
+// Null hypothesis of each chi-square: the counts of 2^20 draws in 64 x 32 bins of equal solid angle are multinomial
+// with the integrals of the textbook density in double precision (of the GPU's own density where a BSDF takes part).
+// False-alarm rate: 1% over the comparisons of a test. Samplers that are wrong on purpose must be rejected.
 #include "../gpu/gpu_test.h"
 #include "../support/statistics.h"
 #include "grid_guide_case.h"
@@ -80,7 +80,8 @@ std::vector<double> integrate(const GridGuideCase& test, const Density& density)
         const double t = test.height * (row + 0.5) / (BIN_ROWS * STEPS), r = std::sqrt(t * (2 - t));
         for (uint32_t column = 0; column < BIN_COLUMNS * STEPS; ++column) {
             const double phi = 2 * M_PI * ((column + 0.5) / (BIN_COLUMNS * STEPS) - 0.5);
-            masses[row / STEPS * BIN_COLUMNS + column / STEPS] += density(r * std::cos(phi) * x + r * std::sin(phi) * y + (1 - t) * z);
+            masses[row / STEPS * BIN_COLUMNS + column / STEPS] +=
+                density(r * std::cos(phi) * x + r * std::sin(phi) * y + (1 - t) * z);
         }
     }
     for (double& mass : masses)
@@ -157,14 +158,16 @@ TEST(GridGuide, AVmfLobeDrawsFromTheTextbooksDensityAndHasIt)
     const Buffer guide = makeGuide(ANY_LOBES);
     for (const NamedLobe& lobe : LOBES) {
         const GridGuideCase test = caseOf(lobe, guide);
-        const auto expected = integrate(test, [&](const glm::dvec3& w) { return vmf(w, glm::normalize(glm::dvec3(lobe.mu)), lobe.kappa); });
+        const auto expected = integrate(
+            test, [&](const glm::dvec3& w) { return vmf(w, glm::normalize(glm::dvec3(lobe.mu)), lobe.kappa); });
         const ChiSquare result = compare(sample(test), expected);
-        EXPECT_GT(result.p, bonferroni(LOBES.size())) << "kappa " << lobe.kappa << ": chi-square " << result.statistic << " with "
-                                                      << result.degrees << " degrees of freedom";
+        EXPECT_GT(result.p, bonferroni(LOBES.size())) << "kappa " << lobe.kappa << ": chi-square " << result.statistic
+                                                      << " with " << result.degrees << " degrees of freedom";
         const auto masses = integrate(test);
         EXPECT_NEAR(massOf(masses), 1, MASS_ERROR) << "kappa " << lobe.kappa;
         for (uint32_t bin = 0; bin < BINS; ++bin)
-            EXPECT_NEAR(masses[bin], expected[bin], 1e-2 * expected[bin] + 1e-9) << "kappa " << lobe.kappa << ", bin " << bin;
+            EXPECT_NEAR(masses[bin], expected[bin], 1e-2 * expected[bin] + 1e-9)
+                << "kappa " << lobe.kappa << ", bin " << bin;
     }
 }
 
@@ -210,17 +213,21 @@ void expectDensity(const GridGuideCase& test, const std::string& what, const Den
 TEST(GridGuide, ACellsMixtureIsWhatItsLobesSay)
 {
     const Buffer guide = makeGuide(MIXTURE);
-    expectDensity(caseOfGuide(guide), "mixture", [](const glm::dvec3& w) { return mixture(MIXTURE, w); }, 1);
+    expectDensity(
+        caseOfGuide(guide), "mixture", [](const glm::dvec3& w) { return mixture(MIXTURE, w); }, 1);
 }
 
 TEST(GridGuide, LobesTimesTheCosineAreTheProductNormalised)
 {
     constexpr double COSINE_KAPPA = 2.18853;  // guide.glsl
-    const Density product = [](const glm::dvec3& w) { return mixture(MIXTURE, w) * std::exp(COSINE_KAPPA * (w.z - 1)); };
+    const Density product = [](const glm::dvec3& w) {
+        return mixture(MIXTURE, w) * std::exp(COSINE_KAPPA * (w.z - 1));
+    };
     const Buffer guide = makeGuide(MIXTURE, GUIDING_COSINE);
     const GridGuideCase test = caseOfGuide(guide);
     const double mass = massOf(integrate(test, product));
-    expectDensity(test, "times the cosine", [&](const glm::dvec3& w) { return product(w) / mass; }, 1);
+    expectDensity(
+        test, "times the cosine", [&](const glm::dvec3& w) { return product(w) / mass; }, 1);
 }
 
 TEST(GridGuide, LobesAreAimedAtWhatTheirSamplesSaw)
@@ -236,12 +243,15 @@ TEST(GridGuide, LobesAreAimedAtWhatTheirSamplesSaw)
     }
     Lobes aimed = MIXTURE;
     for (uint32_t k = 0; k < GUIDING_LOBES; ++k) {
-        const glm::dvec3 target = distances[k] * glm::normalize(glm::dvec3(MIXTURE[k].mu)) + glm::dvec3(SIDE * PIVOT, 0, 0);
+        const glm::dvec3 target =
+            distances[k] * glm::normalize(glm::dvec3(MIXTURE[k].mu)) + glm::dvec3(SIDE * PIVOT, 0, 0);
         aimed[k].mu = glm::vec3(glm::normalize(target - OFFSET));
     }
     const Buffer guide = makeGuide(MIXTURE, GUIDING_PARALLAX, memory);
-    expectDensity(caseOfGuide(guide), "aimed", [&](const glm::dvec3& w) { return mixture(aimed, w); }, 1);
-    EXPECT_LT(compare(sample(caseOfGuide(makeGuide(MIXTURE))), integrate(caseOfGuide(guide))).p, 1e-6) << "unaimed lobes must be rejected";
+    expectDensity(
+        caseOfGuide(guide), "aimed", [&](const glm::dvec3& w) { return mixture(aimed, w); }, 1);
+    EXPECT_LT(compare(sample(caseOfGuide(makeGuide(MIXTURE))), integrate(caseOfGuide(guide))).p, 1e-6)
+        << "unaimed lobes must be rejected";
 }
 
 TEST(GridGuide, ALobeWhoseWeightIsFivePercentOffIsRejected)
@@ -294,8 +304,9 @@ TEST(GridGuide, OneSampleOfBsdfAndGuideHasTheMixturesDensity)
             const auto masses = integrate(test);
             const auto counts = sample(test);
             const ChiSquare result = compare(counts, masses);
-            EXPECT_GT(result.p, bonferroni(3 * SURFACES.size())) << surface.name << ", alpha " << alpha << ": chi-square " << result.statistic
-                                                                 << " with " << result.degrees << " degrees of freedom";
+            EXPECT_GT(result.p, bonferroni(3 * SURFACES.size()))
+                << surface.name << ", alpha " << alpha << ": chi-square " << result.statistic << " with "
+                << result.degrees << " degrees of freedom";
             EXPECT_NEAR(massOf(masses), 1 - counts.back() / DRAWS, MASS_ERROR) << surface.name << ", alpha " << alpha;
         }
 }
@@ -304,8 +315,9 @@ TEST(GridGuide, AnAlphaThatIsFivePercentOffIsRejected)
 {
     const Buffer guide = makeGuide(MIXTURE);
     for (const NamedSurface& surface : SURFACES)
-        EXPECT_LT(compare(sample(caseOfSurface(surface, guide, 0.525f)), integrate(caseOfSurface(surface, guide, 0.5f))).p,
-                  bonferroni(SURFACES.size()))
+        EXPECT_LT(
+            compare(sample(caseOfSurface(surface, guide, 0.525f)), integrate(caseOfSurface(surface, guide, 0.5f))).p,
+            bonferroni(SURFACES.size()))
             << surface.name;
 }
 

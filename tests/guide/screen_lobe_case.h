@@ -10,7 +10,8 @@ struct LobeCase {
     Address guide;  ///< one ScreenLobe
     Address results;  ///< what the kernel writes
     vec3 normal;  ///< of the surface
-    float zoom;  ///< half the side of the window of bins about the lobe's centre, as a sine; 0: bins of the whole sphere
+    /// Half the side of the window of bins about the lobe's centre, as a sine; 0: bins of the whole sphere
+    float zoom;
     uint seed;
     uint error;  ///< ERROR_NONE, ERROR_BEND or ERROR_PDF
 };

@@ -1,8 +1,9 @@
-// GuidingScreen's lobes on the GPU: is the sampler's density the one it claims, how much of it is lost, and does a fit give the moments
-// of its samples?
+// GuidingScreen's lobes on the GPU: is the sampler's density the one it claims, how much of it is lost, and does a fit
+// give the moments of its samples?
 //
-// Null hypothesis of each chi-square: the counts of 2^20 draws are multinomial with the integrals of the pdf, those without a direction
-// with the mass that it lacks. False-alarm rate: 1% over the comparisons of a test. Errors made on purpose must be rejected.
+// Null hypothesis of each chi-square: the counts of 2^20 draws are multinomial with the integrals of the pdf, those
+// without a direction with the mass that it lacks. False-alarm rate: 1% over the comparisons of a test. Errors made on
+// purpose must be rejected.
 #include "../gpu/gpu_test.h"
 #include "../support/statistics.h"
 #include "screen_lobe_case.h"
@@ -54,7 +55,8 @@ const std::vector<NamedLobe> LOBES = {
 
 /// What `kernel` counts or integrates of a lobe.
 template <typename Value>
-std::vector<Value> measure(const std::string& kernel, uint32_t threads, uint32_t values, const NamedLobe& lobe, uint32_t error)
+std::vector<Value> measure(const std::string& kernel, uint32_t threads, uint32_t values, const NamedLobe& lobe,
+                           uint32_t error)
 {
     const std::string source = RESTIRPG_SOURCE;
     Device& target = device();  // first: static objects are destroyed in the reverse order of their making
@@ -111,7 +113,8 @@ double expectedMass(const ScreenLobe& lobe)
         const double x = (i + 0.5) / STEPS;
         const double n = (x - lobe.mean.x) / l11;
         const double centre = lobe.mean.y + l21 * n;
-        mass += std::exp(-0.5 * n * n) / std::sqrt(2 * M_PI) / l11 / STEPS * normalMass(-centre / l22, (1 - centre) / l22);
+        mass +=
+            std::exp(-0.5 * n * n) / std::sqrt(2 * M_PI) / l11 / STEPS * normalMass(-centre / l22, (1 - centre) / l22);
     }
     return mass;
 }
@@ -179,7 +182,8 @@ struct PlacedSample {
 };
 
 /// The lobe that the kernel fits to samples on a surface of normal TILTED.
-ScreenLobe fit(uint32_t kind, const std::vector<PlacedSample>& placed, float prior, float regularisation, float floor = 1e-6f)
+ScreenLobe fit(uint32_t kind, const std::vector<PlacedSample>& placed, float prior, float regularisation,
+               float floor = 1e-6f)
 {
     const glm::dvec3 n = TILTED;
     const glm::dvec3 x = glm::normalize(glm::cross(glm::dvec3(0.47, -0.63, 0.618), n));
@@ -190,7 +194,8 @@ ScreenLobe fit(uint32_t kind, const std::vector<PlacedSample>& placed, float pri
     const Buffer input = device().createBuffer(samples, "samples");
     const Buffer result = device().createBuffer(sizeof(ScreenLobe), "lobe");
     static const Kernel kernel(device(), std::string(RESTIRPG_SOURCE) + "/tests/guide/screen_lobe_fit.comp");
-    const FitCase test{input.address(), result.address(), TILTED, uint32_t(samples.size()), kind, floor, prior, regularisation};
+    const FitCase test{input.address(), result.address(), TILTED, uint32_t(samples.size()), kind, floor,
+                       prior,           regularisation};
     device().submit([&](VkCommandBuffer commands) { kernel.dispatch(commands, &test, sizeof(test), 1); });
     return device().download<ScreenLobe>(result, 1)[0];
 }
@@ -203,7 +208,8 @@ std::vector<PlacedSample> manySamples()
     std::vector<PlacedSample> samples;
     for (int i = 0; i < 4000; ++i) {
         const double a = normal(numbers), b = normal(numbers);
-        samples.push_back({glm::clamp(glm::dvec2(0.4 + 0.1 * a, 0.6 + 0.05 * a + 0.04 * b), 0.01, 0.99), std::exp(normal(numbers))});
+        samples.push_back(
+            {glm::clamp(glm::dvec2(0.4 + 0.1 * a, 0.6 + 0.05 * a + 0.04 * b), 0.01, 0.99), std::exp(normal(numbers))});
     }
     return samples;
 }
@@ -273,7 +279,8 @@ TEST(ScreenLobeFit, ADecayingMeanForgets)
 TEST(ScreenLobeFit, EqualSamplesGiveTheNarrowestLobeThatIsAllowed)
 {
     const std::vector<PlacedSample> samples(50, {{0.3, 0.7}, 2.0});
-    const ScreenLobe sharp = fit(SCREEN_LOBE_GAUSSIAN, samples, 0, 0), soft = fit(SCREEN_LOBE_GAUSSIAN, samples, 0, 1e-3f);
+    const ScreenLobe sharp = fit(SCREEN_LOBE_GAUSSIAN, samples, 0, 0),
+                     soft = fit(SCREEN_LOBE_GAUSSIAN, samples, 0, 1e-3f);
     EXPECT_NEAR(sharp.spread.x, 0.01, 1e-5);
     EXPECT_NEAR(sharp.spread.z, 0.01, 1e-4);
     EXPECT_NEAR(soft.spread.x, std::sqrt(1e-3), 1e-4);

@@ -122,8 +122,8 @@ TEST_F(Exr, WhatTheDataWindowLeavesOutOfTheDisplayWindowIsBlack)
 
 TEST_F(Exr, WhatTheDataWindowHasBeyondTheDisplayWindowIsLeftOut)
 {
-    write(folder_ / "a.exr", header({{0, 0}, {0, 1}}, {{-1, -1}, {1, 1}}),
-          {3, 3, 1, {1, 2, 3, 4, 5, 6, 7, 8, 9}}, {"Y"});
+    write(folder_ / "a.exr", header({{0, 0}, {0, 1}}, {{-1, -1}, {1, 1}}), {3, 3, 1, {1, 2, 3, 4, 5, 6, 7, 8, 9}},
+          {"Y"});
     EXPECT_EQ(readExr(folder_ / "a.exr").data, (std::vector<float>{5, 5, 5, 8, 8, 8}));
     write(folder_ / "b.exr", header({{0, 0}, {1, 0}}, {{1000000000, 7}, {1000000001, 7}}), {2, 1, 1, {1, 2}}, {"Y"});
     EXPECT_EQ(readExr(folder_ / "b.exr").data, std::vector<float>(6, 0.0f));
@@ -200,7 +200,8 @@ TEST_F(Colours, ThatSpanNothingAreOneLine)
 {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     for (const Imf::Chromaticities& wrong :
-         {Imf::Chromaticities{{0, 0}, {0, 0}, {0, 0}, {0, 0}}, Imf::Chromaticities{{0.1f, 0.1f}, {0.2f, 0.2f}, {0.3f, 0.3f}},
+         {Imf::Chromaticities{{0, 0}, {0, 0}, {0, 0}, {0, 0}},
+          Imf::Chromaticities{{0.1f, 0.1f}, {0.2f, 0.2f}, {0.3f, 0.3f}},
           Imf::Chromaticities{{0.64f, 0.33f}, {0.3f, 0.6f}, {0.15f, 0.06f}, {0.3f, 0}},
           Imf::Chromaticities{{nan, 0.33f}, {0.3f, 0.6f}, {0.15f, 0.06f}}}) {
         const std::string error = errorOf([&] { read(wrong, {1, 1, 1}); });
@@ -262,8 +263,9 @@ TEST_F(Exr, NamesMayBeLowerCaseOrOfTheOnlyLayer)
 {
     const Image image = ramp(3, 2, 3);
     using Names = std::vector<std::string>;
-    for (const Names& names : {Names{"r", "g", "b"}, Names{"red", "green", "blue"}, Names{"beauty.R", "beauty.G", "beauty.B"},
-                               Names{"ViewLayer.Combined.R", "ViewLayer.Combined.G", "ViewLayer.Combined.B"}}) {
+    for (const Names& names :
+         {Names{"r", "g", "b"}, Names{"red", "green", "blue"}, Names{"beauty.R", "beauty.G", "beauty.B"},
+          Names{"ViewLayer.Combined.R", "ViewLayer.Combined.G", "ViewLayer.Combined.B"}}) {
         write(folder_ / "a.exr", Imf::Header(3, 2), image, names);
         EXPECT_EQ(readExr(folder_ / "a.exr").data, image.data) << names[0];
     }
@@ -272,7 +274,8 @@ TEST_F(Exr, NamesMayBeLowerCaseOrOfTheOnlyLayer)
 TEST_F(Exr, OfManyLayersCombinedIsThePictureAndWithoutItOneMustBeNamed)
 {
     Image image = ramp(3, 2, 6);
-    write(folder_ / "a.exr", Imf::Header(3, 2), image, {"A.AO.R", "A.AO.G", "A.AO.B", "A.Combined.R", "A.Combined.G", "A.Combined.B"});
+    write(folder_ / "a.exr", Imf::Header(3, 2), image,
+          {"A.AO.R", "A.AO.G", "A.AO.B", "A.Combined.R", "A.Combined.G", "A.Combined.B"});
     EXPECT_EQ(readExr(folder_ / "a.exr").at(0, 0, 0), image.data[3]);
     EXPECT_EQ(readExr(folder_ / "a.exr", "A.AO").at(0, 0, 0), image.data[0]);
     write(folder_ / "b.exr", Imf::Header(3, 2), image, {"AO.R", "AO.G", "AO.B", "beauty.R", "beauty.G", "beauty.B"});

@@ -81,7 +81,8 @@ TEST_F(Hdr, AllEightOrientationsAreRead)
 TEST_F(Hdr, XyzAndOtherPrimariesBecomeRec709)
 {
     // Rec.709's red, (0.4124, 0.2126, 0.0193), in steps of 1/512.
-    const Image red = readWhole("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n" + std::string("\xd3\x6d\x0a\x7f", 4));
+    const Image red =
+        readWhole("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n" + std::string("\xd3\x6d\x0a\x7f", 4));
     EXPECT_NEAR(red.data[0], 1, 0.01);
     EXPECT_NEAR(red.data[1], 0, 0.01);
     EXPECT_NEAR(red.data[2], 0, 0.01);

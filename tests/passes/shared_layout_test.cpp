@@ -65,9 +65,9 @@ struct Layout {
 
 const std::vector<Layout> LAYOUTS = {
     LAYOUT(TextureRef, row0, row1, index, uvSet),
-    LAYOUT(Material, baseColor, metallic, specularColor, roughness, absorption, transmission, specular, ior, coatAverage, flags, emission,
-           alpha, alphaCutoff, normalScale, energyTable, unused, baseColorMap, metallicRoughnessMap, normalMap, emissiveMap, transmissionMap,
-           specularMap, specularColorMap),
+    LAYOUT(Material, baseColor, metallic, specularColor, roughness, absorption, transmission, specular, ior,
+           coatAverage, flags, emission, alpha, alphaCutoff, normalScale, energyTable, unused, baseColorMap,
+           metallicRoughnessMap, normalMap, emissiveMap, transmissionMap, specularMap, specularColorMap),
     LAYOUT(MeshVertex, position, normal, uv0),
     LAYOUT(VertexExtras, tangent, uv1, color),
     LAYOUT(MeshTriangle, vertices, material),
@@ -77,8 +77,9 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(ImportanceCell, pdf, aliasThreshold, alias),
     LAYOUT(Camera, position, right, up, forward),
     LAYOUT(SceneTable, vertices, vertexExtras, triangles, materials, textures, instances, previousPoses, lights,
-           lightOfTriangle, emissionCells, environmentCells, energyTables, tlasNodes, bvhObjects, tlasGrid, instanceCount, lightCount, environmentLight,
-           environmentTexture, environmentSize, environmentRadiance, environmentRotation, center, radius),
+           lightOfTriangle, emissionCells, environmentCells, energyTables, tlasNodes, bvhObjects, tlasGrid,
+           instanceCount, lightCount, environmentLight, environmentTexture, environmentSize, environmentRadiance,
+           environmentRotation, center, radius),
     LAYOUT(BvhGrid, origin, scale, width, unused),
     LAYOUT(BvhNode, box0, box1, child0, child1),
     LAYOUT(BvhTriangle, vertex, edge1, edge2, instance, triangle, unused),
@@ -97,8 +98,8 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(ScreenStatistics, first, second, weight, squaredWeight, samples),
     LAYOUT(ScreenLobe, kind, mean, spread),
     LAYOUT(GuidingScreenParameters, frame, surface, previousSurface, motion, samples, history, statistics, guide,
-           direction, peak, stride, kind, product, neighbours, smoothingFloor, prior, regularisation,
-           normalThreshold, depthThreshold),
+           direction, peak, stride, kind, product, neighbours, smoothingFloor, prior, regularisation, normalThreshold,
+           depthThreshold),
     LAYOUT(PathTracerParameters, frame, surface, radiance, candidates, guide, vertices, spareVertices, samples, bounces,
            nextEventEstimation, direct, alpha, trees, guidedBounces),
     LAYOUT(PathReservoir, f, ucw, confidence, shape, labels, pixel, frame, prefix, sharpPdf, anchor, place, direction,
@@ -106,8 +107,7 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(PathVertex, position, direction, surface),
     LAYOUT(GuidingSample, vertex, weight, distance),
     LAYOUT(ReuseParameters, frame, surface, previousSurface, motion, source, history, reservoirs, radiance,
-           originSource, origins, cap, radius, normalThreshold, depthThreshold, neighbours, pool, round,
-           leastRadius),
+           originSource, origins, cap, radius, normalThreshold, depthThreshold, neighbours, pool, round, leastRadius),
     LAYOUT(ReuseVerticesParameters, frame, surface, source, origins, candidates, history, vertices, stride),
     LAYOUT(GuidingGrid, camera, scale, origin, smallest),
     LAYOUT(GuidingHeader, grid, capacity, options, cells, collisions, failed, samples, fitted, guiding),
@@ -139,9 +139,10 @@ std::string kernelText()
             layout.name);
         uses += fmt::format("    {0}Array(address).at[0] = {0}Array(address).at[1];\n", layout.name);
     }
-    std::string includes = "#include \"prelude.glsl\"\n#include \"double_single_types.h\"\n#include \"path_vertex_types.h\"\n";
-    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "GuidingFit", "GuidingScreen", "GuidingSplat", "GuidingView",
-                             "PathTracerGuided", "ReSTIRDI", "ReSTIRReuse", "ToneMap"})
+    std::string includes =
+        "#include \"prelude.glsl\"\n#include \"double_single_types.h\"\n#include \"path_vertex_types.h\"\n";
+    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "GuidingFit", "GuidingScreen", "GuidingSplat",
+                             "GuidingView", "PathTracerGuided", "ReSTIRDI", "ReSTIRReuse", "ToneMap"})
         includes += fmt::format("#include \"{}/passes/{}/Shared.h\"\n", RESTIRPG_SOURCE, pass);
     return "#version 460\n" + includes +
            "layout(local_size_x = 1) in;\nlayout(push_constant) uniform Push { Address address; };\n" + declarations +

@@ -125,9 +125,10 @@ nlohmann::json addSquare(GltfBuilder& builder)
     const std::vector<float> normals = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
     const std::vector<float> uv = {0, 1, 1, 1, 1, 0, 0, 0};
     const std::vector<uint16_t> indices = {0, 1, 2, 0, 2, 3};
-    return {{"attributes", {{"POSITION", builder.addAccessor(positions, FLOAT, "VEC3")},
-                            {"NORMAL", builder.addAccessor(normals, FLOAT, "VEC3")},
-                            {"TEXCOORD_0", builder.addAccessor(uv, FLOAT, "VEC2")}}},
+    return {{"attributes",
+             {{"POSITION", builder.addAccessor(positions, FLOAT, "VEC3")},
+              {"NORMAL", builder.addAccessor(normals, FLOAT, "VEC3")},
+              {"TEXCOORD_0", builder.addAccessor(uv, FLOAT, "VEC2")}}},
             {"indices", builder.addAccessor(indices, UNSIGNED_SHORT, "SCALAR")}};
 }
 
@@ -249,7 +250,8 @@ GltfBuilder geometryScene()
     const int indices = builder.addView(std::vector<uint16_t>{1}.data(), 2);
     const int values = builder.addView(std::vector<float>{3, 0, 0}.data(), 12);
     auto& accessor = builder.json["accessors"][size_t(sparse["attributes"]["POSITION"])];
-    accessor["sparse"] = {{"count", 1}, {"indices", {{"bufferView", indices}, {"componentType", UNSIGNED_SHORT}}},
+    accessor["sparse"] = {{"count", 1},
+                          {"indices", {{"bufferView", indices}, {"componentType", UNSIGNED_SHORT}}},
                           {"values", {{"bufferView", values}}}};
     const nlohmann::json points = {{"mode", 0}, {"attributes", fan["attributes"]}};
     builder.addNode({{"mesh", builder.addMesh({strip, fan, sparse, points}, "Everything")}});
@@ -329,14 +331,15 @@ GltfBuilder animatedScene()
     spline[5] = spline[14] = 1;
     spline[23] = 4;
     const int scales = builder.addAccessor(spline, FLOAT, "VEC3");
-    builder.json["animations"] = {
-        {{"name", "Move"},
-         {"samplers", {{{"input", times}, {"output", positions}, {"interpolation", "STEP"}},
-                       {{"input", times}, {"output", turns}},
-                       {{"input", times}, {"output", scales}, {"interpolation", "CUBICSPLINE"}}}},
-         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}},
-                       {{"sampler", 1}, {"target", {{"node", 0}, {"path", "rotation"}}}},
-                       {{"sampler", 2}, {"target", {{"node", 0}, {"path", "scale"}}}}}}}};
+    builder.json["animations"] = {{{"name", "Move"},
+                                   {"samplers",
+                                    {{{"input", times}, {"output", positions}, {"interpolation", "STEP"}},
+                                     {{"input", times}, {"output", turns}},
+                                     {{"input", times}, {"output", scales}, {"interpolation", "CUBICSPLINE"}}}},
+                                   {"channels",
+                                    {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}},
+                                     {{"sampler", 1}, {"target", {{"node", 0}, {"path", "rotation"}}}},
+                                     {{"sampler", 2}, {"target", {{"node", 0}, {"path", "scale"}}}}}}}};
     return builder;
 }
 

@@ -97,10 +97,14 @@ TEST(Accessors, SparseWithoutABufferViewStartsFromZeros)
     const int indices = builder.addView(std::vector<uint8_t>{1, 2}.data(), 2);
     const int values = builder.addView(std::vector<float>{1, 0, 0, 0, 1, 0}.data(), 24);
     json primitive;
-    primitive["attributes"]["POSITION"] = builder.addAccessorJson(
-        {{"componentType", FLOAT}, {"count", 3}, {"type", "VEC3"},
-         {"sparse", {{"count", 2}, {"indices", {{"bufferView", indices}, {"componentType", UNSIGNED_BYTE}}},
-                     {"values", {{"bufferView", values}}}}}});
+    primitive["attributes"]["POSITION"] =
+        builder.addAccessorJson({{"componentType", FLOAT},
+                                 {"count", 3},
+                                 {"type", "VEC3"},
+                                 {"sparse",
+                                  {{"count", 2},
+                                   {"indices", {{"bufferView", indices}, {"componentType", UNSIGNED_BYTE}}},
+                                   {"values", {{"bufferView", values}}}}}});
     builder.addNode({{"mesh", builder.addMesh(primitive)}});
     EXPECT_EQ(corners(load(builder), 0), (std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
 }

@@ -94,9 +94,11 @@ TEST(Skins, InverseBindMatricesAndTheJointsParentsCount)
     for (int i = 0; i < 8; ++i)
         inverse[size_t(16 * (i / 4) + 5 * (i % 4))] = 1;
     inverse[12] = inverse[28] = -1;  // translation by -1 along x
-    square.builder.json["skins"][0]["inverseBindMatrices"] = square.builder.addAccessorJson(
-        {{"bufferView", square.builder.addView(inverse.data(), inverse.size() * 4)},
-         {"componentType", FLOAT}, {"count", 2}, {"type", "MAT4"}});
+    square.builder.json["skins"][0]["inverseBindMatrices"] =
+        square.builder.addAccessorJson({{"bufferView", square.builder.addView(inverse.data(), inverse.size() * 4)},
+                                        {"componentType", FLOAT},
+                                        {"count", 2},
+                                        {"type", "MAT4"}});
     ASSERT_EQ(nodes.size(), 3u);
     const auto scene = square.load();
     // The joints' and the bind matrices' shifts cancel: a quarter turn is left.
@@ -136,7 +138,8 @@ TEST(Skins, NormalsTurnWithTheirJointsAndMirroredOnesKeepTheirFront)
     SkinnedSquare mirrored({{"scale", {-1, 1, 1}}}, {{"scale", {-1, 1, 1}}});
     const auto scene = mirrored.load();
     expectNear(cornerOf(scene, 0, 0).normal, {0, 0, 1});
-    const auto a = cornerOf(scene, 0, 0).position, b = cornerOf(scene, 0, 1).position, c = cornerOf(scene, 0, 2).position;
+    const auto a = cornerOf(scene, 0, 0).position, b = cornerOf(scene, 0, 1).position,
+               c = cornerOf(scene, 0, 2).position;
     expectNear(glm::normalize(glm::cross(b - a, c - a)), {0, 0, 1});
     // Squeezed along x and tilted: normals go by the inverse transpose.
     SkinnedSquare squeezed({{"scale", {0.5, 1, 1}}, {"rotation", {0, s, 0, s}}}, {{"scale", {0, 1, 1}}});
@@ -154,8 +157,11 @@ TEST(Skins, DamagedOnesAreErrorsOfOneLine)
     EXPECT_NE(errorOf([&] { missing.load(); }).find("skins[0].joints[1]"), std::string::npos);
     SkinnedSquare few(json::object(), json::object());
     std::vector<float> one(16, 0.0f);
-    few.builder.json["skins"][0]["inverseBindMatrices"] = few.builder.addAccessorJson(
-        {{"bufferView", few.builder.addView(one.data(), 64)}, {"componentType", FLOAT}, {"count", 1}, {"type", "MAT4"}});
+    few.builder.json["skins"][0]["inverseBindMatrices"] =
+        few.builder.addAccessorJson({{"bufferView", few.builder.addView(one.data(), 64)},
+                                     {"componentType", FLOAT},
+                                     {"count", 1},
+                                     {"type", "MAT4"}});
     EXPECT_NE(errorOf([&] { few.load(); }).find("1 matrices for 2 joints"), std::string::npos);
 }
 

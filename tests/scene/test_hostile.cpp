@@ -125,9 +125,11 @@ TEST(Hostile, NanAndInfiniteVerticesAreNamed)
                     b.addAccessor(std::vector<float>{0, 0, 0, 1, bad, 0, 1, 1, 0, 0, 1, 0}, FLOAT, "VEC3");
             },
             {"mesh 0 'Square' POSITION", " 1 "});
-    expectError([](auto& b) {
-        primitiveOf(b)["attributes"]["TEXCOORD_0"] = b.addAccessor(std::vector<float>(8, NAN), FLOAT, "VEC2");
-    }, {"TEXCOORD_0", "not a finite number"});
+    expectError(
+        [](auto& b) {
+            primitiveOf(b)["attributes"]["TEXCOORD_0"] = b.addAccessor(std::vector<float>(8, NAN), FLOAT, "VEC2");
+        },
+        {"TEXCOORD_0", "not a finite number"});
 }
 
 TEST(Hostile, CountsBeyondTheBufferAreNamed)
@@ -293,7 +295,8 @@ TEST(Hostile, AskingForMoreThanTheMemoryIsRefusedBeforeItIsTaken)
     sparse["count"] = 1 << 24;
     sparse["sparse"] = {
         {"count", 1},
-        {"indices", {{"bufferView", builder.addView(std::vector<uint16_t>{1}.data(), 2)}, {"componentType", UNSIGNED_SHORT}}},
+        {"indices",
+         {{"bufferView", builder.addView(std::vector<uint16_t>{1}.data(), 2)}, {"componentType", UNSIGNED_SHORT}}},
         {"values", {{"bufferView", builder.addView(std::vector<float>{3, 0, 0}.data(), 12)}}}};
     const json primitive = {{"attributes", {{"POSITION", builder.addAccessorJson(sparse)}}}};
     builder.json["meshes"][0]["primitives"] = json::array();

@@ -282,13 +282,13 @@ TEST(LightTable, NoBrightPlaceOfATexturedEmitterIsMissed)
             }
             const glm::vec3 point(uv, 1);
             const bool lit = texture.sample({glm::dot(map.row0, point), glm::dot(map.row1, point)}).r > 0;
-            const uint32_t light = table.lightMapOfInstance[0] == INVALID_INDEX ? INVALID_INDEX
-                                                                                : table.lightOfTriangle[triangle];
-            const float density = light == INVALID_INDEX ? 0
-                                  : table.lights[light].cells == INVALID_INDEX
-                                      ? table.lights[light].pmf
-                                      : table.emissionCells[table.lights[light].cells +
-                                                            partOf(b, table.lights[light].cellsASide)].pdf;
+            const uint32_t light =
+                table.lightMapOfInstance[0] == INVALID_INDEX ? INVALID_INDEX : table.lightOfTriangle[triangle];
+            const float density =
+                light == INVALID_INDEX ? 0
+                : table.lights[light].cells == INVALID_INDEX
+                    ? table.lights[light].pmf
+                    : table.emissionCells[table.lights[light].cells + partOf(b, table.lights[light].cellsASide)].pdf;
             ASSERT_TRUE(density > 0 || !lit) << "trial " << trial;
             bright += lit;
             dark += density == 0;

@@ -49,10 +49,10 @@ void expectNear(glm::vec3 a, glm::vec3 b, float tolerance = 1e-6f)
 double diffuseReflectance(double n)
 {
     const double n2 = n * n, n4 = n2 * n2;
-    return 0.5 + (n - 1) * (3 * n + 1) / (6 * (n + 1) * (n + 1))
-        + n2 * (n2 - 1) * (n2 - 1) / std::pow(n2 + 1, 3) * std::log((n - 1) / (n + 1))
-        - 2 * n * n2 * (n2 + 2 * n - 1) / ((n2 + 1) * (n4 - 1))
-        + 8 * n4 * (n4 + 1) / ((n2 + 1) * (n4 - 1) * (n4 - 1)) * std::log(n);
+    return 0.5 + (n - 1) * (3 * n + 1) / (6 * (n + 1) * (n + 1)) +
+           n2 * (n2 - 1) * (n2 - 1) / std::pow(n2 + 1, 3) * std::log((n - 1) / (n + 1)) -
+           2 * n * n2 * (n2 + 2 * n - 1) / ((n2 + 1) * (n4 - 1)) +
+           8 * n4 * (n4 + 1) / ((n2 + 1) * (n4 - 1) * (n4 - 1)) * std::log(n);
 }
 
 }  // namespace
@@ -153,21 +153,21 @@ TEST(Materials, VolumeWithoutThicknessIsThin)
 
 TEST(Materials, FactorsOutsideTheirRangeAreClampedWithOneWarningAFile)
 {
-    auto builder = withMaterial({{"name", "Wild"},
-                                 {"pbrMetallicRoughness",
-                                  {{"baseColorFactor", {5, -1, 0.5, 2}}, {"metallicFactor", 3}, {"roughnessFactor", -1}}},
-                                 {"emissiveFactor", {2, 0.5, -1}},
-                                 {"normalTexture", {{"index", 0}, {"scale", 1e30}}},
-                                 {"alphaMode", "MASK"},
-                                 {"alphaCutoff", -1},
-                                 {"extensions",
-                                  {{"KHR_materials_ior", {{"ior", 1e30}}},
-                                   {"KHR_materials_emissive_strength", {{"emissiveStrength", 3}}},
-                                   {"KHR_materials_specular",
-                                    {{"specularFactor", 9}, {"specularColorFactor", {2, -1, 1}}}},
-                                   {"KHR_materials_transmission", {{"transmissionFactor", 1.5}}},
-                                   {"KHR_materials_volume",
-                                    {{"thicknessFactor", 1}, {"attenuationDistance", 1e-30}, {"attenuationColor", {2, 0, 1}}}}}}});
+    auto builder =
+        withMaterial({{"name", "Wild"},
+                      {"pbrMetallicRoughness",
+                       {{"baseColorFactor", {5, -1, 0.5, 2}}, {"metallicFactor", 3}, {"roughnessFactor", -1}}},
+                      {"emissiveFactor", {2, 0.5, -1}},
+                      {"normalTexture", {{"index", 0}, {"scale", 1e30}}},
+                      {"alphaMode", "MASK"},
+                      {"alphaCutoff", -1},
+                      {"extensions",
+                       {{"KHR_materials_ior", {{"ior", 1e30}}},
+                        {"KHR_materials_emissive_strength", {{"emissiveStrength", 3}}},
+                        {"KHR_materials_specular", {{"specularFactor", 9}, {"specularColorFactor", {2, -1, 1}}}},
+                        {"KHR_materials_transmission", {{"transmissionFactor", 1.5}}},
+                        {"KHR_materials_volume",
+                         {{"thicknessFactor", 1}, {"attenuationDistance", 1e-30}, {"attenuationColor", {2, 0, 1}}}}}}});
     builder.addTexture(encodePng(1, 1, {128, 128, 255, 255}));
     const auto scene = loadGltf(builder.write(scratch() / "wild.glb"));
     const auto& m = scene.materials[0];
@@ -185,8 +185,11 @@ TEST(Materials, FactorsOutsideTheirRangeAreClampedWithOneWarningAFile)
     EXPECT_GE(m.absorption.x, 0);
     EXPECT_LT(m.normalScale, 1e7f);
     const auto said = saidWarnings();
-    EXPECT_EQ(std::count_if(said.begin(), said.end(), [](const auto& text) { return text.find("wild.glb") != text.npos &&
-                                                                                text.find("clamped") != text.npos; }), 1);
+    EXPECT_EQ(std::count_if(said.begin(), said.end(),
+                            [](const auto& text) {
+                                return text.find("wild.glb") != text.npos && text.find("clamped") != text.npos;
+                            }),
+              1);
     EXPECT_TRUE(wasWarned("wild.glb: material 0 'Wild': baseColorFactor 5 lies outside of 0..1"));
 }
 
@@ -251,9 +254,9 @@ Texture twoTexels(const json& sampler, bool srgb = false)
     auto builder = squareScene();
     const int texture = builder.addTexture(encodePng(2, 1, {0, 0, 0, 255, 128, 128, 128, 128}), sampler);
     const json map = {{"index", texture}};
-    builder.json["meshes"][0]["primitives"][0]["material"] = builder.addMaterial(
-        srgb ? json{{"pbrMetallicRoughness", {{"baseColorTexture", map}}}}
-             : json{{"pbrMetallicRoughness", {{"metallicRoughnessTexture", map}}}});
+    builder.json["meshes"][0]["primitives"][0]["material"] =
+        builder.addMaterial(srgb ? json{{"pbrMetallicRoughness", {{"baseColorTexture", map}}}}
+                                 : json{{"pbrMetallicRoughness", {{"metallicRoughnessTexture", map}}}});
     return load(builder).textures[0];
 }
 
@@ -317,8 +320,8 @@ TEST(Textures, CmykJpegsAreTheLightThatTheirInksLetThrough)
         "anN0dXZ3eHl6g4SFhoeIiYqSk5SVlpeYmZqio6Slpqeoqaqys7S1tre4ubrCw8TFxsfIycrS09TV1tfY2drh4uPk5ebn6Onq8fLz9PX29/j5"
         "+v/aAA4EQwBNAFkASwAAPwD9IK8Pr8x6/XCv/9k=";
     // Without: the marker, 16 bytes behind the first two, goes; base64 of 18 bytes is 24 characters.
-    for (const auto& [text, expected] :
-         {std::pair(jpeg, glm::vec3(200 * 220, 100 * 220, 50 * 220)), std::pair("/9j/" + jpeg.substr(24), glm::vec3(55 * 35, 155 * 35, 205 * 35))}) {
+    for (const auto& [text, expected] : {std::pair(jpeg, glm::vec3(200 * 220, 100 * 220, 50 * 220)),
+                                         std::pair("/9j/" + jpeg.substr(24), glm::vec3(55 * 35, 155 * 35, 205 * 35))}) {
         auto builder = withMaterial({{"normalTexture", {{"index", 0}}}});
         builder.json["images"] = {{{"uri", "data:image/png;base64," + text}}};
         builder.json["textures"] = {{{"source", 0}}};

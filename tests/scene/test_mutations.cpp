@@ -21,8 +21,12 @@ std::vector<uint8_t> mutateBytes(std::vector<uint8_t> bytes, std::mt19937& rando
     for (size_t i = 0; i < changes && bytes.size() > 1; ++i) {
         const size_t at = pick(bytes.size());
         switch (pick(4)) {
-        case 0: bytes[at] ^= uint8_t(1u << pick(8)); break;
-        case 1: bytes[at] = uint8_t(random()); break;
+        case 0:
+            bytes[at] ^= uint8_t(1u << pick(8));
+            break;
+        case 1:
+            bytes[at] = uint8_t(random());
+            break;
         case 2:
             bytes.erase(bytes.begin() + long(at), bytes.begin() + long(std::min(bytes.size(), at + 1 + pick(16))));
             break;
@@ -46,10 +50,35 @@ void collect(json& value, std::vector<json*>& places)
 /// A value below the root replaced by an awkward one, removed, or copied from elsewhere.
 void mutateJson(json& root, std::mt19937& random)
 {
-    static const std::vector<json> awkward = {
-        -1, 0, 1, 2, 3, 5120, 5121, 5123, 5125, 5126, 1000000, 2147483647, 2147483648u, 4294967295u,
-        1e30, -1e30, 1e300, 1e-30, 0.5, nullptr, true, "", "x", "MAT4", "BLEND",
-        {1, 2}, {{"a", 1}}, json::array(), json::object()};
+    static const std::vector<json> awkward = {-1,
+                                              0,
+                                              1,
+                                              2,
+                                              3,
+                                              5120,
+                                              5121,
+                                              5123,
+                                              5125,
+                                              5126,
+                                              1000000,
+                                              2147483647,
+                                              2147483648u,
+                                              4294967295u,
+                                              1e30,
+                                              -1e30,
+                                              1e300,
+                                              1e-30,
+                                              0.5,
+                                              nullptr,
+                                              true,
+                                              "",
+                                              "x",
+                                              "MAT4",
+                                              "BLEND",
+                                              {1, 2},
+                                              {{"a", 1}},
+                                              json::array(),
+                                              json::object()};
     std::vector<json*> places;
     collect(root, places);
     auto& place = *places[1 + random() % (places.size() - 1)];

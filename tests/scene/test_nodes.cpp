@@ -46,7 +46,9 @@ TEST(Nodes, AChildMovesWithItsParent)
     const int mesh = builder.addMesh(addSquare(builder));
     const int child = builder.addNode({{"mesh", mesh}, {"translation", {1, 0, 0}}}, false);
     // A quarter turn about z, scaled by 2, moved up.
-    builder.addNode({{"children", {child}}, {"rotation", {0, 0, std::sqrt(0.5), std::sqrt(0.5)}}, {"scale", {2, 2, 2}},
+    builder.addNode({{"children", {child}},
+                     {"rotation", {0, 0, std::sqrt(0.5), std::sqrt(0.5)}},
+                     {"scale", {2, 2, 2}},
                      {"translation", {0, 0, 3}}});
     const auto scene = load(builder);
     expectNear(transform(poseOf(scene, uint32_t(child)), {0, 0, 0}), {0, 2, 3});
@@ -64,7 +66,8 @@ TEST(Nodes, PosesOfAFarSceneAreRelativeToItsMiddle)
     const auto scene = load(builder);
     EXPECT_GT(scene.origin.x, 99999.0f);
     // The floats beside 100000 are 8 mm apart.
-    const glm::dvec3 place = glm::dvec3(transform(poseOf(scene, uint32_t(child)), {0, 0, 0})) + glm::dvec3(scene.origin);
+    const glm::dvec3 place =
+        glm::dvec3(transform(poseOf(scene, uint32_t(child)), {0, 0, 0})) + glm::dvec3(scene.origin);
     EXPECT_NEAR(place.x, 100000.125, 1e-6);
     EXPECT_NEAR(place.y, 0.001, 1e-6);
     EXPECT_EQ(load(squareScene()).origin, glm::vec3(0));
@@ -115,9 +118,12 @@ TEST(Nodes, EveryMatrixHasAnInverseAndFlatMeshesStayWhereTheyAre)
     const auto scaled = [](float x, float y, float z) {
         return glm::mat3(glm::vec3(x, 0, 0), glm::vec3(0, y, 0), glm::vec3(0, 0, z));
     };
-    const std::vector<glm::mat3> matrices = {scaled(2, 2, 0), scaled(0, 1, 1), scaled(-3, 0, 1), scaled(0, 0, 1), scaled(0, 0, 0),
-                                             turn * scaled(1, 0, 1), scaled(1, 1, 0) * turn, turn * scaled(0, 0, 5) * turn,
-                                             1e-5f * scaled(1, 0, 1), turn * scaled(1e-4f, 1, 1e-4f), scaled(1e4f, 1e4f, 0), glm::mat3(1e-7f)};
+    const std::vector<glm::mat3> matrices = {scaled(2, 2, 0),         scaled(0, 1, 1),
+                                             scaled(-3, 0, 1),        scaled(0, 0, 1),
+                                             scaled(0, 0, 0),         turn * scaled(1, 0, 1),
+                                             scaled(1, 1, 0) * turn,  turn * scaled(0, 0, 5) * turn,
+                                             1e-5f * scaled(1, 0, 1), turn * scaled(1e-4f, 1, 1e-4f),
+                                             scaled(1e4f, 1e4f, 0),   glm::mat3(1e-7f)};
     for (const auto& matrix : matrices) {
         auto builder = squareScene();
         json columns = json::array();
@@ -238,9 +244,13 @@ TEST(Animation, OfTwoThatMoveTheSameTheLastIsPlayedAndThatIsSaid)
     expectNear(transform(poseOf(scene, 0), {0, 0, 0}), {2, 0, 0});
     EXPECT_EQ(scene.duration, 1) << "the one that is not played does not count";
     const auto said = saidWarnings();
-    EXPECT_EQ(std::count_if(said.begin(), said.end(), [](const auto& text) {
-        return text.find("twice.glb: node 0: two animations or channels move its translation") != text.npos;
-    }), 1);
+    EXPECT_EQ(std::count_if(said.begin(), said.end(),
+                            [](const auto& text) {
+                                return text.find(
+                                           "twice.glb: node 0: two animations or channels move its translation") !=
+                                       text.npos;
+                            }),
+              1);
 }
 
 TEST(Animation, KeysThatOverflowAreAnErrorWhereTheyDo)

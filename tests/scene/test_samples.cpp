@@ -38,7 +38,8 @@ protected:
     {
         shared_ = sharedFolder();
         if (shared_.empty())
-            GTEST_SKIP() << "the sample scenes are missing: none is read; set RESTIRPG_SHARED to the folder that holds gltf-samples/ and scenes/";
+            GTEST_SKIP() << "the sample scenes are missing: none is read; set RESTIRPG_SHARED to the folder that holds "
+                            "gltf-samples/ and scenes/";
     }
 
     std::filesystem::path shared_;
@@ -82,9 +83,11 @@ TEST_F(Samples, EveryTestSceneLoadsWithItsTriangles)
 {
     // Instanced triangles, from ../shared/scenes/README.md.
     const std::map<std::string, uint64_t> triangles = {
-        {"veach_ajar.glb", 382690}, {"veach_ajar_animated.glb", 382690}, {"veach_ajar_glossy.glb", 382690},
-        {"veach_ajar_box_light.glb", 382700}, {"veach_bidir_room.glb", 11544}, {"living_room.glb", 146941},
-        {"cornell_box.glb", 36}, {"barcelona_pavilion.glb", 101104}, {"bistro_exterior.glb", 1094137}};
+        {"veach_ajar.glb", 382690},        {"veach_ajar_animated.glb", 382690},
+        {"veach_ajar_glossy.glb", 382690}, {"veach_ajar_box_light.glb", 382700},
+        {"veach_bidir_room.glb", 11544},   {"living_room.glb", 146941},
+        {"cornell_box.glb", 36},           {"barcelona_pavilion.glb", 101104},
+        {"bistro_exterior.glb", 1094137}};
     for (const auto& file : filesIn(shared_ / "scenes")) {
         expectSound(file);
         const auto expected = triangles.find(file.filename().string());

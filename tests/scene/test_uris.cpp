@@ -39,8 +39,8 @@ protected:
         GltfBuilder builder;
         builder.json["buffers"] = {{{"byteLength", byteLength}, {"uri", uri}}};
         builder.json["bufferViews"] = {{{"buffer", 0}, {"byteLength", 36}}};
-        const int positions = builder.addAccessorJson(
-            {{"bufferView", 0}, {"componentType", FLOAT}, {"count", 3}, {"type", "VEC3"}});
+        const int positions =
+            builder.addAccessorJson({{"bufferView", 0}, {"componentType", FLOAT}, {"count", 3}, {"type", "VEC3"}});
         builder.addNode({{"mesh", builder.addMesh({{"attributes", {{"POSITION", positions}}}})}});
         return builder.write(folder_ / "scene.gltf");
     }
@@ -68,7 +68,8 @@ constexpr const char* OUTSIDE = "lies outside of the scene's folder";
 
 TEST_F(Uris, FilesAtOrBelowTheFolderAreRead)
 {
-    for (const char* uri : {"mine.bin", "./mine.bin", "%6dine.bin", "sub/deep.bin", "sub/../mine.bin", "sub%2fdeep.bin", R"(sub\deep.bin)"})
+    for (const char* uri : {"mine.bin", "./mine.bin", "%6dine.bin", "sub/deep.bin", "sub/../mine.bin", "sub%2fdeep.bin",
+                            R"(sub\deep.bin)"})
         expectLoads(uri);
     expectLoads((folder_ / "mine.bin").string());
     expectLoads("file://" + (folder_ / "mine.bin").string());
@@ -84,10 +85,11 @@ TEST_F(Uris, FilesOutsideAreRefusedHoweverTheyAreNamed)
     const auto secret = (top_ / "secret.bin").string();
     fs::create_symlink("../secret.bin", folder_ / "link.bin");
     fs::create_symlink("..", folder_ / "up");
-    for (const auto& uri : {std::string("../secret.bin"), std::string("%2e%2e/secret.bin"), std::string("%2E%2E%2Fsecret.bin"),
-                            std::string("sub/../../secret.bin"), std::string("missing/../../secret.bin"), secret,
-                            "file://" + secret, "file:" + secret, "FILE://localhost" + secret, std::string("link.bin"),
-                            std::string("up/secret.bin"), std::string("../scene2/../secret.bin")})
+    for (const auto& uri :
+         {std::string("../secret.bin"), std::string("%2e%2e/secret.bin"), std::string("%2E%2E%2Fsecret.bin"),
+          std::string("sub/../../secret.bin"), std::string("missing/../../secret.bin"), secret, "file://" + secret,
+          "file:" + secret, "FILE://localhost" + secret, std::string("link.bin"), std::string("up/secret.bin"),
+          std::string("../scene2/../secret.bin")})
         expectRefused(uri, OUTSIDE);
     // A folder whose name only begins like the scene's is another one.
     fs::create_directories(top_ / "scene2");
@@ -139,9 +141,9 @@ TEST_F(Uris, OtherMachinesAndNonsenseAreOneLine)
 TEST_F(Uris, DataUrisOfAnyMediaTypeAreRead)
 {
     const auto base64 = encodeBase64(triangle());
-    for (const char* header : {"data:application/octet-stream;base64,", "data:application/gltf-buffer;base64,",
-                               "data:;base64,", "data:text/plain;charset=utf-8;base64,", "data:application/x-binary;base64,",
-                               "DATA:model/vnd.x;BASE64,"})
+    for (const char* header :
+         {"data:application/octet-stream;base64,", "data:application/gltf-buffer;base64,", "data:;base64,",
+          "data:text/plain;charset=utf-8;base64,", "data:application/x-binary;base64,", "DATA:model/vnd.x;BASE64,"})
         expectLoads(header + base64);
     auto escaped = base64;
     for (size_t at; (at = escaped.find('/')) != escaped.npos;)

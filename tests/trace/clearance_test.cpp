@@ -1,5 +1,6 @@
-// Rays that leave a surface: they do not meet it again, and what lies close behind they do meet. Far from the origin and near it, large
-// and small, at all tilts, in both back ends; as part of the static hierarchy and as objects with hierarchies of their own.
+// Rays that leave a surface: they do not meet it again, and what lies close behind they do meet. Far from the origin
+// and near it, large and small, at all tilts, in both back ends; as part of the static hierarchy and as objects with
+// hierarchies of their own.
 #include "trace/Shared.h"
 #include "trace/devices.h"
 
@@ -40,10 +41,7 @@ glm::mat4 randomTurn()
 struct Quads {
     Scene scene;
 
-    Quads()
-    {
-        scene.materials.emplace_back();
-    }
+    Quads() { scene.materials.emplace_back(); }
 
     /// The quad [-1, 1]^2 at z = 0, placed by `baked` in its mesh and by `node` in the world.
     uint32_t add(const glm::mat4& baked, const glm::mat4& matrix)
@@ -107,10 +105,7 @@ const Kernel& kernelOf(const std::string& backend)
 
 class ClearanceTest : public testing::TestWithParam<Case> {
 protected:
-    void SetUp() override
-    {
-        generator.seed(5);
-    }
+    void SetUp() override { generator.seed(5); }
 
     std::vector<Arrival> leave(const Scene& scene, const std::vector<Departure>& departures)
     {
@@ -129,7 +124,8 @@ protected:
         device.upload(frame, &constants, sizeof constants);
         const Buffer from = device.createBuffer(departures, "departures");
         const Buffer to = device.createBuffer(departures.size() * sizeof(Arrival), "arrivals");
-        const LeaveSurfaceParameters parameters{frame.address(), from.address(), to.address(), uint32_t(departures.size())};
+        const LeaveSurfaceParameters parameters{frame.address(), from.address(), to.address(),
+                                                uint32_t(departures.size())};
         device.submit([&](VkCommandBuffer commands) {
             gpu.bindings().bind(commands);
             kernelOf(GetParam().backend).dispatch(commands, &parameters, sizeof parameters, parameters.count);
@@ -173,12 +169,14 @@ TEST_P(ClearanceTest, NothingStandsBetweenTwoSurfacesThatFaceEachOther)
     for (int i = 0; i < PAIRS; ++i) {
         // Pairs lie far apart, in layers of their own.
         const glm::mat4 there = glm::translate(glm::mat4(1), glm::vec3(0, 0, 1000.0f * float(i % 10) - 5000.0f) +
-                                                                 glm::vec3(1000.0f * float(i / 10) - 10000.0f, 0, 0)) * randomTurn();
+                                                                 glm::vec3(1000.0f * float(i / 10) - 10000.0f, 0, 0)) *
+                                randomTurn();
         const float size = std::pow(10.0f, uniform(-2, 1.5f)), gap = std::pow(10.0f, uniform(-1, 2));
         quads.add(glm::scale(glm::mat4(1), glm::vec3(size)), there);
         // lavapipe's ray query finds a far triangle seen edge-on at any of its depths.
         const float reach = GetParam().backend == std::string("software") ? 200.0f : std::min(200.0f, 30 * gap);
-        quads.add(glm::scale(glm::mat4(1), glm::vec3(reach)), there * glm::translate(glm::mat4(1), glm::vec3(0, 0, gap)));
+        quads.add(glm::scale(glm::mat4(1), glm::vec3(reach)),
+                  there * glm::translate(glm::mat4(1), glm::vec3(0, 0, gap)));
     }
     std::vector<Departure> departures;
     for (uint32_t pair = 0; pair < PAIRS; ++pair)
@@ -203,8 +201,8 @@ TEST(BvhBuild, ThousandsOfTrianglesInOnePlaceMakeAHierarchy)
     EXPECT_GE(buildTriangleBvh(triangles).triangles.size(), triangles.size());
 }
 
-/// Panes are two quads of 2 m, thin, at some distance from the origin, all scaled. Thinner ones could not be told from one quad: in the
-/// world's floats their sides round to much the same places.
+/// Panes are two quads of 2 m, thin, at some distance from the origin, all scaled. Thinner ones could not be told from
+/// one quad: in the world's floats their sides round to much the same places.
 TEST_P(ClearanceTest, TheBackOfAThinPaneIsMetFromItsFront)
 {
     const float thinnest = GetParam().backend == std::string("software") ? 4e-7f : 4e-6f;  // of the distance
@@ -220,22 +218,24 @@ TEST_P(ClearanceTest, TheBackOfAThinPaneIsMetFromItsFront)
                 for (int i = 0; i < PANES; ++i) {
                     glm::vec3 place(0);
                     place[i / 2] = i % 2 ? distance : -distance;
-                    const glm::mat4 there =
-                        glm::scale(glm::mat4(1), glm::vec3(scale)) * turn * glm::translate(glm::mat4(1), place) * randomTurn();
+                    const glm::mat4 there = glm::scale(glm::mat4(1), glm::vec3(scale)) * turn *
+                                            glm::translate(glm::mat4(1), place) * randomTurn();
                     const uint32_t front = quads.add(glm::mat4(1), there);
                     quads.add(glm::translate(glm::mat4(1), glm::vec3(0, 0, -thickness)), there);
                     for (int ray = 0; ray < RAYS; ++ray) {
                         Hit from = randomPoint(front);
-                        from.barycentrics = 0.1f + 0.7f * from.barycentrics;  // rays shall not pass by the other quad's edge
-                        departures.push_back({from, NONE, glm::mat3(there) * glm::vec3(uniform(-1, 1), uniform(-1, 1), -1)});
+                        from.barycentrics =
+                            0.1f + 0.7f * from.barycentrics;  // rays shall not pass by the other quad's edge
+                        departures.push_back(
+                            {from, NONE, glm::mat3(there) * glm::vec3(uniform(-1, 1), uniform(-1, 1), -1)});
                     }
                 }
                 size_t missed = 0;
                 const auto arrivals = leave(quads.scene, departures);
                 for (size_t i = 0; i < departures.size(); ++i)
                     missed += arrivals[i].hit.instance != departures[i].from.instance + 1;
-                EXPECT_EQ(missed, 0u) << "of " << departures.size() << " rays, scale " << scale << ", " << thickness << " m at "
-                                      << distance << " m";
+                EXPECT_EQ(missed, 0u) << "of " << departures.size() << " rays, scale " << scale << ", " << thickness
+                                      << " m at " << distance << " m";
             }
 }
 
@@ -243,7 +243,8 @@ INSTANTIATE_TEST_SUITE_P(BackEnds, ClearanceTest,
                          testing::Values(Case{"software", Placed::still}, Case{"software", Placed::moved},
                                          Case{"rayquery", Placed::still}),
                          [](const auto& info) {
-                             return std::string(info.param.backend) + (info.param.placed == Placed::still ? "Still" : "Moved");
+                             return std::string(info.param.backend) +
+                                    (info.param.placed == Placed::still ? "Still" : "Moved");
                          });
 
 }  // namespace

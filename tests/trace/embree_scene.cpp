@@ -53,10 +53,10 @@ EmbreeScene::EmbreeScene(const Scene& scene, const std::vector<glm::mat4>& pose)
         const auto& instance = scene.instances[i];
         const auto& mesh = scene.meshes[instance.mesh];
         RTCGeometry geometry = rtcNewGeometry(handles_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                         sizeof(glm::vec3), mesh.vertexCount));
-        auto* indices = static_cast<glm::uvec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                                         sizeof(glm::uvec3), mesh.triangleCount));
+        auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
+            geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), mesh.vertexCount));
+        auto* indices = static_cast<glm::uvec3*>(rtcSetNewGeometryBuffer(
+            geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), mesh.triangleCount));
         for (uint32_t v = 0; v < mesh.vertexCount; ++v)
             vertices[v] = glm::vec3(pose[instance.node] * glm::vec4(scene.positions[mesh.firstVertex + v], 1));
         std::copy_n(scene.triangles.begin() + mesh.firstTriangle, mesh.triangleCount, indices);

@@ -122,7 +122,8 @@ std::vector<Ray> shadowRays(const Scene& scene, const std::vector<glm::mat4>& po
     std::vector<Ray> shadows;
     for (size_t i : found) {
         const size_t other = found[generator() % found.size()];
-        const glm::vec3 x = leave(scene, pose, rays[i], hits[i]).first, y = leave(scene, pose, rays[other], hits[other]).first;
+        const glm::vec3 x = leave(scene, pose, rays[i], hits[i]).first,
+                        y = leave(scene, pose, rays[other], hits[other]).first;
         if (x != y)
             shadows.push_back({x, y - x, 1.0f});
     }

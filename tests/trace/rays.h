@@ -1,4 +1,5 @@
-// Batches of rays, traced by the device's back end and by Embree on the CPU. Tests compare hits; benchmarks compare rates.
+// Batches of rays, traced by the device's back end and by Embree on the CPU. Tests compare hits; benchmarks compare
+// rates.
 #pragma once
 
 #include "gpu/kernel.h"
@@ -73,8 +74,8 @@ std::vector<Ray> bounceRays(const Scene& scene, const std::vector<glm::mat4>& po
 /// From where `rays` hit to where other ones did, at random, up to just before the point.
 std::vector<Ray> shadowRays(const Scene& scene, const std::vector<glm::mat4>& pose, const std::vector<Ray>& rays,
                             const std::vector<TracedHit>& hits, uint32_t seed);
-/// From where `rays` hit to points of emissive triangles, as next event estimation has them: by power, uniform over the triangle, up to just
-/// before the point. Empty when no triangle emits.
+/// From where `rays` hit to points of emissive triangles, as next event estimation has them: by power, uniform over the
+/// triangle, up to just before the point. Empty when no triangle emits.
 std::vector<Ray> lightRays(const Scene& scene, const std::vector<glm::mat4>& pose, const std::vector<Ray>& rays,
                            const std::vector<TracedHit>& hits, uint32_t seed);
 

@@ -1,4 +1,5 @@
-// Both tracing back ends against Embree, ray by ray. Needs no shared scene: three meshes made here, instanced, mirrored, scaled.
+// Both tracing back ends against Embree, ray by ray. Needs no shared scene: three meshes made here, instanced,
+// mirrored, scaled.
 #include "trace/devices.h"
 #include "trace/rays.h"
 
@@ -12,7 +13,8 @@
 namespace restirpg::test {
 namespace {
 
-/// A scene of several random triangle clouds and a tessellated sphere, each placed by its own nodes; one mesh is shared.
+/// A scene of several random triangle clouds and a tessellated sphere, each placed by its own nodes; one mesh is
+/// shared.
 Scene randomScene()
 {
     Scene scene;
@@ -106,7 +108,8 @@ std::vector<Ray> randomRays(size_t count, float length)
     return rays;
 }
 
-/// Share of rays whose hits differ: other triangle at another distance (two surfaces at one distance are one hit), or other distance.
+/// Share of rays whose hits differ: other triangle at another distance (two surfaces at one distance are one hit), or
+/// other distance.
 double disagreement(const std::vector<TracedHit>& a, const std::vector<TracedHit>& b)
 {
     size_t different = 0;
@@ -133,7 +136,8 @@ TEST_P(TraceTest, ClosestHitsAreEmbreesInAtLeast9999Of10000Rays)
     for (size_t i = 0; i < rays.size(); ++i)
         if (expected[i].hit.instance != INVALID_INDEX) {
             ++found;
-            sameTriangle += hits[i].hit.instance == expected[i].hit.instance && hits[i].hit.triangle == expected[i].hit.triangle &&
+            sameTriangle += hits[i].hit.instance == expected[i].hit.instance &&
+                            hits[i].hit.triangle == expected[i].hit.triangle &&
                             glm::distance(hits[i].hit.barycentrics, expected[i].hit.barycentrics) < 1e-2f;
         }
     EXPECT_GT(found, rays.size() / 4) << "the rays must hit something for this test to mean anything";
@@ -164,7 +168,8 @@ TEST_P(TraceTest, MovedNodesAreHitWhereTheyStandNow)
     DeviceTracer tracer(deviceOf(GetParam()), scene, poseNodes(scene, 0));
     const auto rays = randomRays(20000, 1e30f);
     std::vector<std::optional<glm::mat4>> overrides(scene.nodes.size());
-    for (int step = 1; step <= 2; ++step) {  // the first move takes the node out of the static batch, the second does not
+    for (int step = 1; step <= 2;
+         ++step) {  // the first move takes the node out of the static batch, the second does not
         overrides[0] = glm::translate(glm::mat4(1), glm::vec3(0.3f * float(step), 0, 0));
         overrides[3] = glm::scale(glm::mat4(1), glm::vec3(0.5f * float(step)));
         const auto pose = poseNodes(scene, 0, overrides);
@@ -182,12 +187,15 @@ TEST_P(TraceTest, AFlatSceneIsHitFromAfarWhateverItsSize)
         DeviceTracer tracer(deviceOf(GetParam()), scene, pose);
         std::vector<Ray> rays;
         for (const Ray& ray : randomRays(1000, 1e30f)) {
-            const glm::vec3 from = 3 * half * ray.origin, to = half * glm::vec3(ray.direction.x, 0, ray.direction.z) / 3.0f;
+            const glm::vec3 from = 3 * half * ray.origin,
+                            to = half * glm::vec3(ray.direction.x, 0, ray.direction.z) / 3.0f;
             rays.push_back({from, glm::normalize(to - from), 1e30f});
         }
         const auto expected = EmbreeScene(scene, pose).closest(rays);
         EXPECT_LE(disagreement(tracer.closest(rays), expected), 1e-2) << "half a side: " << half;
-        EXPECT_GT(std::count_if(expected.begin(), expected.end(), [](const auto& hit) { return hit.hit.instance == 0; }), 400);
+        EXPECT_GT(
+            std::count_if(expected.begin(), expected.end(), [](const auto& hit) { return hit.hit.instance == 0; }),
+            400);
     }
 }
 
@@ -202,7 +210,9 @@ TEST_P(SharedSceneTraceTest, BackEndsAndEmbreeAgree)
     const char* folder = std::getenv("RESTIRPG_SHARED");
     const auto file = std::filesystem::path(folder ? folder : RESTIRPG_SOURCE "/../shared") / "scenes" / GetParam();
     if (!std::filesystem::exists(file))
-        GTEST_SKIP() << file.filename().string() << " is not there: its rays are not compared; set RESTIRPG_SHARED to the folder that holds scenes/";
+        GTEST_SKIP()
+            << file.filename().string()
+            << " is not there: its rays are not compared; set RESTIRPG_SHARED to the folder that holds scenes/";
     const Scene scene = loadGltf(file);
     const auto pose = poseNodes(scene, 0);
     const EmbreeScene embree(scene, pose);
@@ -217,7 +227,9 @@ TEST_P(SharedSceneTraceTest, BackEndsAndEmbreeAgree)
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SharedSceneTraceTest, testing::Values("veach_ajar.glb", "barcelona_pavilion.glb"),
-                         [](const auto& info) { return std::string(info.param).substr(0, std::string(info.param).find('.')); });
+                         [](const auto& info) {
+                             return std::string(info.param).substr(0, std::string(info.param).find('.'));
+                         });
 
 }  // namespace
 }  // namespace restirpg::test

@@ -10,7 +10,8 @@ public:
     {
         const auto layout = fixedSize("", [] { return sizeof(FixedGuideLobe); });
         io.output("guide", guide_, guide("FixedGuide", layout, passFile("guide.glsl")), "the lobe");
-        io.output("wrong", wrong_, guide("WrongFixedGuide", layout, passFile("wrong_guide.glsl")), "the lobe, with a density that is 10% too small");
+        io.output("wrong", wrong_, guide("WrongFixedGuide", layout, passFile("wrong_guide.glsl")),
+                  "the lobe, with a density that is 10% too small");
         io.knob("kappa", kappa_, 0, 32000, "concentration of the lobe, which points up");
     }
 

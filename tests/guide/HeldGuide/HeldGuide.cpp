@@ -1,4 +1,5 @@
-// A guide of GuidingFit as it came, as it was once, or with lobes that mean nothing. Whatever a guide knows, the mean must stay.
+// A guide of GuidingFit as it came, as it was once, or with lobes that mean nothing. Whatever a guide knows, the mean
+// must stay.
 #include "HeldGuideShared.h"
 #include "render/frame.h"
 #include "shaders/guiding_grid_types.h"
@@ -14,10 +15,12 @@ public:
         io.input("guide", guide_, type, "a guide of GuidingFit that remembers, one frame ago");
         io.optionalInput("history", history_, type, "the output guide, one frame ago; needed by `frozen`");
         io.output("guide", held_, type, "what is made of it");
-        io.output("wrong", wrong_, guide("WrongGridGuide", layout, passFile("wrong_guide.glsl")), "the live guide, with a density that is 10% too small");
+        io.output("wrong", wrong_, guide("WrongGridGuide", layout, passFile("wrong_guide.glsl")),
+                  "the live guide, with a density that is 10% too small");
         io.knob("cells", cells_, 1u << 10, 1u << 21, "slots, as GuidingFit's: a power of two");
         io.structural();
-        io.choice("mode", mode_, {"live", "frozen", "garbage"}, "the guide, what it was in frame `from`, or its cells with random narrow lobes");
+        io.choice("mode", mode_, {"live", "frozen", "garbage"},
+                  "the guide, what it was in frame `from`, or its cells with random narrow lobes");
         io.knob("from", from_, 0, 1000, "frame of the guide that is frozen");
     }
 

@@ -9,7 +9,8 @@ class KnownVertices final : public Pass {
 public:
     void describe(Interface& io) override
     {
-        io.output("vertices", vertices_, perPixel<PathVertex>("PathVertices"), "one vertex a pixel, its direction drawn from the mixture of KnownVertices.comp");
+        io.output("vertices", vertices_, perPixel<PathVertex>("PathVertices"),
+                  "one vertex a pixel, its direction drawn from the mixture of KnownVertices.comp");
         io.knob("places", places_, 1, 4096, "points at which the vertices lie, in a square of 64 x 64");
         io.knob("identical", identical_, "all directions are the axis of the first lobe");
     }
@@ -18,7 +19,8 @@ public:
 
     void record(Frame& frame) override
     {
-        frame.dispatchPixels(kernel_, KnownVerticesParameters{frame.constants(), vertices_->address(), places_, identical_});
+        frame.dispatchPixels(kernel_,
+                             KnownVerticesParameters{frame.constants(), vertices_->address(), places_, identical_});
     }
 
 private:

@@ -1,4 +1,5 @@
-// Direct light by one guided bounce with temporal reuse, whose sample is a direction (variant U) or random numbers (variant P).
+// Direct light by one guided bounce with temporal reuse, whose sample is a direction (variant U) or random numbers
+// (variant P).
 #include "Shared.h"
 #include "render/frame.h"
 
@@ -11,7 +12,8 @@ public:
         const PortType reservoir = perPixel<ReplayReservoir>("ReplayReservoir");
         io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel");
         io.optionalInput("guide", guide_, anyGuide(), "directions worth sampling");
-        io.optionalInput("history", history_, reservoir, "the output reservoirs, one frame ago; the camera must stand still");
+        io.optionalInput("history", history_, reservoir,
+                         "the output reservoirs, one frame ago; the camera must stand still");
         io.output("radiance", radiance_, image(3), "light by one bounce, W/sr/m^2");
         io.output("reservoirs", reservoirs_, reservoir, "the sample that each pixel ends the frame with");
         io.output("vertices", vertices_, severalPerPixel<PathVertex>("PathVertices", [] { return 1u; }), "its bounce");

@@ -19,14 +19,12 @@ public:
         io.knob("stops", stops_, -20.0f, 20.0f, "Exposure in stops");
     }
 
-    void build(Device& device) override
-    {
-        kernel_ = Kernel(device, passFile("Exposure.comp"));
-    }
+    void build(Device& device) override { kernel_ = Kernel(device, passFile("Exposure.comp")); }
 
     void record(Frame& frame) override
     {
-        const ExposureParams params{radiance_->address(), image_->address(), {frame.width(), frame.height()}, std::exp2(stops_)};
+        const ExposureParams params{
+            radiance_->address(), image_->address(), {frame.width(), frame.height()}, std::exp2(stops_)};
         frame.dispatchPixels(kernel_, params);
     }
 };

@@ -19,10 +19,12 @@ public:
         io.output("stay", trips_[WAY_STAY], image(4), trip + "in the pixel's own domain");
         io.output("neighbour", trips_[WAY_NEIGHBOUR], image(4), trip + "to a pixel nearby");
         io.output("previous", trips_[WAY_PREVIOUS], image(4), trip + "to the frame before");
-        const std::string jacobian = "kind, measured over claimed Jacobian, the claimed one, and whether it could be measured: ";
+        const std::string jacobian =
+            "kind, measured over claimed Jacobian, the claimed one, and whether it could be measured: ";
         io.output("neighbour_jacobian", jacobians_[WAY_NEIGHBOUR], image(4), jacobian + "to a pixel nearby");
         io.output("previous_jacobian", jacobians_[WAY_PREVIOUS], image(4), jacobian + "to the frame before");
-        const std::string sums = "how far from 1 the weights of own and of others' paths add up to, and how many were tried: ";
+        const std::string sums =
+            "how far from 1 the weights of own and of others' paths add up to, and how many were tried: ";
         io.output("spatial_sums", sums_[WAY_NEIGHBOUR], image(4), sums + "spatial reuse");
         io.output("temporal_sums", sums_[WAY_PREVIOUS], image(4), sums + "temporal reuse");
         io.knob("fault", fault_, 0, REUSE_FAULT_SHARP_DENSITY, "REUSE_FAULT_* to build in");
@@ -52,8 +54,9 @@ private:
         if (way == WAY_PREVIOUS && frame.reset())  // a zeroed surface is no surface
             frame.fill(*result.resource);
         else
-            frame.dispatchPixels(kernel, ShiftProbeParameters{frame.constants(), surface_->address(), previousSurface_->address(),
-                                                              reservoirs_->address(), history_->address(), result->address(), way, fault_});
+            frame.dispatchPixels(kernel, ShiftProbeParameters{frame.constants(), surface_->address(),
+                                                              previousSurface_->address(), reservoirs_->address(),
+                                                              history_->address(), result->address(), way, fault_});
     }
 
     In<Buffer> surface_, previousSurface_, reservoirs_, history_;
