@@ -19,7 +19,6 @@ from .session import Session
 from .watch import Watch
 
 MOST_GRAPHS = 4
-NAME = "restirpg view"
 
 
 class Viewer:
@@ -98,9 +97,15 @@ def _port(text):
     return int(text)
 
 
+def _name():
+    """How the user called it: the program runs this package, as `restirpg view`."""
+    started = Path(sys.argv[0]).name
+    return "restirpg view" if started == "__main__.py" else started
+
+
 def _parse(arguments):
     parser = argparse.ArgumentParser(
-        prog=NAME, description="Look at a scene through one graph, or several side by side, live in a browser. The page is served on the "
+        prog=_name(), description="Look at a scene through one graph, or several side by side, live in a browser. The page is served on the "
         "loopback address alone; over ssh, forward the port that is printed: ssh -L PORT:127.0.0.1:PORT.")
     parser.add_argument("graphs", metavar="GRAPH", nargs="+", help="graph files, up to 4")
     parser.add_argument("--scene", required=True, help="glTF file")
@@ -130,4 +135,4 @@ def main(arguments):
                 print(file=sys.stderr)
         return 0
 
-    return program.run(NAME, body)
+    return program.run(_name(), body)
