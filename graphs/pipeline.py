@@ -14,7 +14,7 @@ def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, c
     train: what the guide of the initial paths learns from, if there is one: "selected", the paths that resampling has
     selected; "temporal", those that a resampling over frames alone would have selected, done beside it; "candidates", those
     it chose from; "raw", all bounces of the candidates' path trees, weighted by the light that came back.
-    cells: where the guide is kept: "world", in the hash grid; "screen", a lobe a pixel, which learns from "raw" alone.
+    cells: where the guide is kept: "world", in the hash grid; "screen", a lobe per pixel, which learns from "raw" alone.
     splat, fit: knobs of the guide's passes; in screen space there is only a fit.
     reuse: knobs of the resampling of paths.
     trees: path trees per pixel, of which one path is resampled.

@@ -213,7 +213,7 @@ void printTimes(const Renderer& renderer, double seconds)
     fmt::print("{} frame{} in {:.2f} s\n{}", frames, frames == 1 ? "" : "s", seconds, table.text());
 }
 
-/// Graphs name their count of dropped frames a pixel `invalid`.
+/// Graphs name their count of dropped frames per pixel `invalid`.
 void reportInvalid(Renderer& renderer)
 {
     double count = 0;

@@ -83,20 +83,20 @@ PortType perPixel(const std::string& name)
     return {name, 0, uint32_t(sizeof(T)), {}};
 }
 
-/// As many T a pixel as `count` says: T[height * width][count].
+/// As many T per pixel as `count` says: T[height * width][count].
 template <typename T>
 PortType severalPerPixel(const std::string& name, std::function<uint64_t()> count)
 {
     return {name, 0, 0, {}, [count = std::move(count)] { return sizeof(T) * count(); }};
 }
 
-/// T of any number a pixel, which the reader takes from In::pixelBytes.
+/// T of any number per pixel, which the reader takes from In::pixelBytes.
 inline PortType anyPerPixel(const std::string& name)
 {
     return {name};
 }
 
-/// As much a pixel as the output has that is wired to `input`.
+/// As much per pixel as the output has that is wired to `input`.
 inline PortType asMuchAs(const std::string& name, const In<Buffer>& input)
 {
     return {name, 0, 0, {}, [&input] { return input.pixelBytes(); }};

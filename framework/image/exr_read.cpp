@@ -160,7 +160,7 @@ private:
     const Imf::MultiPartInputFile& input_;
 };
 
-/// Reads row `y` into `row`, which has the data window's width and three floats a pixel.
+/// Reads row `y` into `row`, which has the data window's width and three floats per pixel.
 using ReadRow = std::function<void(int y)>;
 
 /// The display window's picture from rows of the data window: what lies outside of the data window is black.

@@ -34,7 +34,7 @@ public:
         kernel.dispatch(commands_, &parameters, sizeof(Parameters), width, height, depth);
     }
 
-    /// One invocation a pixel.
+    /// One invocation per pixel.
     template <typename Parameters>
     void dispatchPixels(const Kernel& kernel, const Parameters& parameters)
     {

@@ -18,7 +18,7 @@ struct AccumulateParameters {
     Address direct;  ///< three images of radiance, W sr^-1 m^-2, added to one value a frame
     Address indirect;
     Address emission;
-    Address history;  ///< AccumulatorState a pixel, of the frame before
+    Address history;  ///< AccumulatorState per pixel, of the frame before
     Address sums;  ///< the same, with this frame
     Address mean;
     Address variance;

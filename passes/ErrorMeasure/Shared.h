@@ -32,7 +32,7 @@ struct MeasuredErrors {
 struct ErrorMeasureParameters {
     Address frame;  ///< FrameConstants
     Address image;
-    Address reference;  ///< three floats a pixel
+    Address reference;  ///< three floats per pixel
     Address lanes;  ///< LANES ErrorSums
     Address total;  ///< ErrorSums
     Address map;

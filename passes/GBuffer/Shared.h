@@ -7,13 +7,13 @@ RESTIRPG_SHARED
 struct GBufferParameters {
     Address frame;  ///< FrameConstants
     Address surface;  ///< PrimaryHit per pixel
-    Address emission;  ///< vec3 a pixel
-    Address normal;  ///< vec3 a pixel
-    Address geometricNormal;  ///< vec3 a pixel
-    Address albedo;  ///< vec3 a pixel
-    Address depth;  ///< float a pixel
-    Address motion;  ///< vec2 a pixel
-    Address material;  ///< float a pixel
+    Address emission;  ///< vec3 per pixel
+    Address normal;  ///< vec3 per pixel
+    Address geometricNormal;  ///< vec3 per pixel
+    Address albedo;  ///< vec3 per pixel
+    Address depth;  ///< float per pixel
+    Address motion;  ///< vec2 per pixel
+    Address material;  ///< float per pixel
     uint jitter;  ///< 1: a uniform point of the pixel, 0: its centre
 };
 

@@ -137,4 +137,4 @@ private:
 }  // namespace restirpg
 
 using restirpg::GuidingFit;
-RESTIRPG_PASS(GuidingFit, "Fits a mixture of directions to each cell of the guiding grid: one step of EM a frame")
+RESTIRPG_PASS(GuidingFit, "Fits a mixture of directions to each cell of the guiding grid: one step of EM per frame")

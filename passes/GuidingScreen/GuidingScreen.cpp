@@ -95,4 +95,4 @@ private:
 using restirpg::GuidingScreen;
 RESTIRPG_PASS(
     GuidingScreen,
-    "Fits one lobe a pixel to where the frames before found indirect light, to guide the primary hit's bounce")
+    "Fits one lobe per pixel to where the frames before found indirect light, to guide the primary hit's bounce")

@@ -30,14 +30,14 @@ struct GuidingScreenParameters {
     Address frame;  ///< FrameConstants
     Address surface;  ///< PrimaryHit per pixel
     Address previousSurface;  ///< PrimaryHit per pixel, one frame ago
-    Address motion;  ///< vec2 a pixel
-    Address samples;  ///< GuidingSample, `stride` a pixel, one frame ago
-    Address history;  ///< ScreenStatistics a pixel, one frame ago
-    Address statistics;  ///< ScreenStatistics a pixel; 0: nobody reads it
-    Address guide;  ///< ScreenLobe a pixel; 0: nobody reads it
-    Address direction;  ///< vec3 a pixel; 0: nobody reads it
-    Address peak;  ///< float a pixel; 0: nobody reads it
-    uint stride;  ///< samples a pixel
+    Address motion;  ///< vec2 per pixel
+    Address samples;  ///< GuidingSample, `stride` per pixel, one frame ago
+    Address history;  ///< ScreenStatistics per pixel, one frame ago
+    Address statistics;  ///< ScreenStatistics per pixel; 0: nobody reads it
+    Address guide;  ///< ScreenLobe per pixel; 0: nobody reads it
+    Address direction;  ///< vec3 per pixel; 0: nobody reads it
+    Address peak;  ///< float per pixel; 0: nobody reads it
+    uint stride;  ///< samples per pixel
     uint kind;  ///< SCREEN_LOBE_*
     uint product;  ///< 1: fit radiance times f |cos|
     uint neighbours;  ///< pixels around that lend their samples

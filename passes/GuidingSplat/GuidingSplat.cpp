@@ -18,7 +18,7 @@ class GuidingSplat final : public Pass {
 public:
     void describe(Interface& io) override
     {
-        // Whatever the bounce cap, readers take the vertices' count a pixel from the buffer's size.
+        // Whatever the bounce cap, readers take the vertices' count per pixel from the buffer's size.
         io.optionalInput("vertices", vertices_, fixedSize("PathVertices", {}),
                          "bounces of resampled paths, each of weight 1; wire this or `samples`");
         io.optionalInput("samples", samples_, fixedSize("GuidingSamples", {}),

@@ -7,11 +7,11 @@ RESTIRPG_SHARED
 
 struct GuidingSplatParameters {
     Address frame;  ///< FrameConstants
-    Address vertices;  ///< PathVertex, stride a pixel; 0: `samples` are read
-    Address samples;  ///< GuidingSample, stride a pixel
+    Address vertices;  ///< PathVertex, stride per pixel; 0: `samples` are read
+    Address samples;  ///< GuidingSample, stride per pixel
     Address guide;  ///< of the frame that drew the paths; 0: none
     Address statistics;  ///< zeroed
-    uint stride;  ///< vertices a pixel
+    uint stride;  ///< vertices per pixel
     uint capacity;  ///< slots, a power of two
     uint finalEdges;  ///< FINAL_EDGES_*
     uint incident;  ///< 1: weigh each vertex by 1 / (f |cos|), so that the incident radiance alone is fitted

@@ -9,7 +9,7 @@ struct GuidingViewParameters {
     Address frame;  ///< FrameConstants
     Address surface;  ///< PrimaryHit per pixel
     Address guide;  ///< of GuidingFit
-    Address image;  ///< vec3 a pixel; written
+    Address image;  ///< vec3 per pixel; written
     uint show;  ///< VIEW_*
 };
 

@@ -7,8 +7,8 @@ RESTIRPG_SHARED
 struct PathTracerParameters {
     Address frame;  ///< FrameConstants
     Address surface;  ///< PrimaryHit per pixel
-    Address radiance;  ///< vec3 a pixel; 0: nobody reads it
-    Address candidates;  ///< PathReservoir a pixel; 0: nobody reads it
+    Address radiance;  ///< vec3 per pixel; 0: nobody reads it
+    Address candidates;  ///< PathReservoir per pixel; 0: nobody reads it
     Address guide;  ///< what the guide's module reads; 0: no guide
     Address vertices;  ///< PathVertex, guidedBounces per pixel; 0: nobody reads them
     Address spareVertices;  ///< as many, where there are several trees

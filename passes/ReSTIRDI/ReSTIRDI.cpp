@@ -111,7 +111,7 @@ private:
         return parameters;
     }
 
-    /// A buffer of the pass's own of one reservoir a pixel, of this frame's size.
+    /// A buffer of the pass's own of one reservoir per pixel, of this frame's size.
     Address scratch(const Frame& frame, size_t index)
     {
         const uint64_t bytes = sizeof(LightReservoir) * uint64_t(frame.width()) * frame.height();

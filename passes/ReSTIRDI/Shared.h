@@ -23,12 +23,12 @@ struct ReSTIRDIParameters {
     Address frame;  ///< FrameConstants
     Address surface;  ///< PrimaryHit per pixel
     Address previousSurface;  ///< PrimaryHit per pixel, of the frame before
-    Address motion;  ///< vec2 a pixel
-    Address history;  ///< LightReservoir a pixel, of the frame before
-    Address source;  ///< LightReservoir a pixel, read by Spatial.comp and Shade.comp
-    Address reservoirs;  ///< LightReservoir a pixel, written; Temporal.comp reads it too
-    Address radiance;  ///< vec3 a pixel
-    uint candidates;  ///< light candidates a pixel
+    Address motion;  ///< vec2 per pixel
+    Address history;  ///< LightReservoir per pixel, of the frame before
+    Address source;  ///< LightReservoir per pixel, read by Spatial.comp and Shade.comp
+    Address reservoirs;  ///< LightReservoir per pixel, written; Temporal.comp reads it too
+    Address radiance;  ///< vec3 per pixel
+    uint candidates;  ///< light candidates per pixel
     uint bsdfCandidates;
     uint round;  ///< of spatial reuse
     uint neighbours;  ///< drawn in one round

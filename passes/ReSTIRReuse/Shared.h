@@ -9,11 +9,11 @@ struct ReuseParameters {
     Address frame;  ///< FrameConstants
     Address surface;  ///< PrimaryHit per pixel
     Address previousSurface;  ///< PrimaryHit per pixel, one frame ago
-    Address motion;  ///< vec2 a pixel
-    Address source;  ///< PathReservoir a pixel, read
-    Address history;  ///< PathReservoir a pixel, one frame ago
-    Address reservoirs;  ///< PathReservoir a pixel, written
-    Address radiance;  ///< vec3 a pixel; 0: nobody reads it
+    Address motion;  ///< vec2 per pixel
+    Address source;  ///< PathReservoir per pixel, read
+    Address history;  ///< PathReservoir per pixel, one frame ago
+    Address reservoirs;  ///< PathReservoir per pixel, written
+    Address radiance;  ///< vec3 per pixel; 0: nobody reads it
     /// The origin (see merge.glsl) of each path of `source`, a uint per pixel; 0: each pixel's own candidate
     Address originSource;
     Address origins;  ///< the origin of each path of `reservoirs`, written; 0: nobody reads vertices
@@ -30,12 +30,12 @@ struct ReuseParameters {
 struct ReuseVerticesParameters {
     Address frame;  ///< FrameConstants
     Address surface;  ///< PrimaryHit per pixel
-    Address source;  ///< PathReservoir a pixel: the path it ends the frame with
-    Address origins;  ///< whose bounces those are, a uint a pixel, see merge.glsl; 0: each pixel's own candidate's
-    Address candidates;  ///< PathVertex of the candidates, stride a pixel
+    Address source;  ///< PathReservoir per pixel: the path it ends the frame with
+    Address origins;  ///< whose bounces those are, a uint per pixel, see merge.glsl; 0: each pixel's own candidate's
+    Address candidates;  ///< PathVertex of the candidates, stride per pixel
     Address history;  ///< PathVertex of the paths of the frame before, likewise
     Address vertices;  ///< PathVertex of `source`, likewise, written
-    uint stride;  ///< vertices a pixel
+    uint stride;  ///< vertices per pixel
 };
 
 RESTIRPG_CONST MAX_REUSE_NEIGHBOURS = 16u;

@@ -6,8 +6,8 @@ RESTIRPG_SHARED
 
 struct ToneMapParameters {
     Address frame;  ///< FrameConstants
-    Address image;  ///< vec3 a pixel, linear Rec.709
-    Address display;  ///< vec3 a pixel, written
+    Address image;  ///< vec3 per pixel, linear Rec.709
+    Address display;  ///< vec3 per pixel, written
     float gain;  ///< factor of the exposure
     float white;  ///< luminance after exposure that becomes 1; Reinhard's curve only
     uint curve;  ///< TONE_CURVE_*

@@ -1,4 +1,4 @@
-"""GuidingScreen: paths guided live by one lobe a pixel have the path tracer's mean; where there are lobes.
+"""GuidingScreen: paths guided live by one lobe per pixel have the path tracer's mean; where there are lobes.
 
 Null hypothesis and false-alarm rate of the rendered tests: see scripts/restirpg/harness/unbiased.py. Indirect light of
 the diffuse Cornell box, bounce cap 2. A live guide is fitted to the very paths that ReSTIR keeps: frame FRAME

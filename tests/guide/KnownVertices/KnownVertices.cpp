@@ -1,4 +1,4 @@
-// Vertices whose distribution is known: one a pixel, spread evenly over some places that lie in cells of their own.
+// Vertices whose distribution is known: one per pixel, spread evenly over some places that lie in cells of their own.
 #include "KnownVerticesShared.h"
 #include "render/frame.h"
 #include "shaders/path_vertex_types.h"

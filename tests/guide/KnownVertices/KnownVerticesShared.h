@@ -6,7 +6,7 @@ RESTIRPG_SHARED
 
 struct KnownVerticesParameters {
     Address frame;  ///< FrameConstants
-    Address vertices;  ///< PathVertex a pixel
+    Address vertices;  ///< PathVertex per pixel
     uint places;
     uint identical;
 };

@@ -13,9 +13,9 @@ struct ShiftProbeParameters {
     Address frame;  ///< FrameConstants
     Address surface;  ///< PrimaryHit per pixel
     Address previousSurface;  ///< PrimaryHit per pixel, one frame ago
-    Address reservoirs;  ///< PathReservoir a pixel: the paths
-    Address history;  ///< PathReservoir a pixel, one frame ago
-    Address result;  ///< vec4 a pixel
+    Address reservoirs;  ///< PathReservoir per pixel: the paths
+    Address history;  ///< PathReservoir per pixel, one frame ago
+    Address result;  ///< vec4 per pixel
     uint way;  ///< WAY_*
     uint fault;  ///< REUSE_FAULT_*
 };
