@@ -42,6 +42,15 @@ def test_its_error_is_interpolated_between_the_two_settings(finished):
     assert float(found["dear"]["p"]) < 0.01
 
 
+def test_a_method_that_stays_cheaper_is_compared_at_the_knobs_largest_value(tmp_path):
+    """8 neighbours take 6.25 ms of 10.25."""
+    run = compare(tmp_path, "plain.json", "plain.json@ms=10,noise=0.5,label=dear", **KNOB)
+    assert run.returncode == 0, run.stderr
+    row = read(tmp_path, "equal_time.csv")["plain"]
+    assert row["setting"] == "paths.neighbours=8.00, the largest: 0.61 of the time"
+    assert float(row["mape"]) == pytest.approx(float(read(tmp_path, "summary.csv")["plain paths.neighbours=8"]["mape_single"]))
+
+
 def test_of_equal_cost_nothing_is_raised(tmp_path):
     run = compare(tmp_path, "plain.json", "plain.json@noise=0.5,label=quiet", **KNOB)
     assert run.returncode == 0, run.stderr

@@ -2,10 +2,12 @@
 
 What a user sees of a real-time method is a single frame, so that cheaper frames are no use unless they can be made
 better for the difference. A whole number hardly ever hits the time: both neighbouring settings are run, and
-their errors are interpolated by their frame times.
+their errors are interpolated by their frame times. A method whose frames stay cheaper up to the knob's largest value is
+compared there, and the table says so.
 """
 
 import json
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,12 +19,13 @@ from restirpg.harness.jobs import Call, without_places
 
 WARM_UP = 3  # frames after a knob was set
 ROUNDS = 6  # frames of each that are timed, taking turns
-LARGEST = 1 << 12  # of the knob
 
 
 @dataclass(frozen=True)
 class Bracket:
-    """Two neighbouring settings of a method between which its frame costs as much as the dearest method's."""
+    """Two neighbouring settings of a method between which its frame costs as much as the dearest method's, or the last two
+    of the knob's range, with which it is still cheaper.
+    """
 
     knob: str
     low: int
@@ -33,12 +36,18 @@ class Bracket:
     def weight(self):
         """Of the upper setting."""
         below, above = self.ratios
-        return (1 - below) / (above - below)
+        return (1 - below) / (above - below) if above > 1 else 1.0
 
     @property
     def found(self):
         """The knob's value, between two whole numbers."""
         return self.low + self.weight
+
+    @property
+    def setting(self):
+        """The knob with the value found; where it is the largest, with the share of the dearest method's frame time."""
+        _, above = self.ratios
+        return f"{self.knob}={self.found:.2f}" + (f", the largest: {above:.2f} of the time" if above < 1 else "")
 
 
 def label_at(label, knob, value):
@@ -76,10 +85,18 @@ def _renderer(scene, description, size, seed, bounces, knobs, device, backend, e
     return renderer
 
 
+def _largest(description, path):
+    """The end of a knob's range."""
+    name, _, own = path.partition(".")
+    kind = next(each["type"] for each in description["passes"] if each["name"] == name)
+    return next(each.get("maximum", math.inf) for each in restirpg.describe_pass(kind)["knobs"] if each["name"] == own)
+
+
 def search(scene, cheaper, other, knob, start):
     """The least whole number `high` of the knob, from `start` on, with which a frame of `cheaper` takes at least the time
-    of one of `other`, in `meta`, and the `ratios` of their times at `high` - 1 and there.
+    of one of `other`, or else the largest of its range, in `meta`, and the `ratios` of their times at `high` - 1 and there.
     """
+    largest = _largest(json.loads(cheaper[0]), knob)
     other, own = _renderer(scene, *other), _renderer(scene, *cheaper)
     measured = {}
 
@@ -92,11 +109,9 @@ def search(scene, cheaper, other, knob, start):
     if ratio(start) >= 1:  # it was hardly cheaper
         return {"ratios": np.array([np.nan, ratio(start)]), "meta": {"high": start}}
     low, step = start, 1
-    while ratio(low + step) < 1:
+    while low + step < largest and ratio(low + step) < 1:
         low, step = low + step, 2 * step
-        if low + step > LARGEST:
-            raise UserError(f"with {knob}={low} a frame is still cheaper; name another knob with --equal-frame-time")
-    high = low + step
+    high = min(low + step, largest)
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (middle, high) if ratio(middle) < 1 else (low, middle)
@@ -161,7 +176,7 @@ def compare(brackets, methods):
     return [
         Equal(
             label,
-            f"{brackets[label].knob}={brackets[label].found:.2f}" if label in brackets else "own",
+            brackets[label].setting if label in brackets else "own",
             own,
             st.ratio(own, first),
             float(p),

@@ -29,6 +29,8 @@ DEFAULTS = {
     "fail_seed": -1,  # the run with this seed raises
 }
 
+MOST_NEIGHBOURS = 8
+
 
 class Error(Exception):
     """As restirpg.Error."""
@@ -62,6 +64,11 @@ def load_graph(file):
         return _Graph(json.loads(Path(file).read_text()))
     except (ValueError, RecursionError) as error:
         raise Error(f"{file}: not JSON: {error}") from None
+
+
+def describe_pass(type):
+    """The knob whose range is asked for."""
+    return {"knobs": [{"name": "neighbours", "minimum": 0, "maximum": MOST_NEIGHBOURS}]}
 
 
 def code_paths():
