@@ -108,7 +108,6 @@ public:
               const std::vector<std::string>& only = {});
 
 private:
-    void updateScene();
     FrameConstants constants() const;
 
     RendererOptions options_;

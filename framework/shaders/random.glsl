@@ -4,18 +4,19 @@
 #define RESTIRPG_RANDOM_GLSL
 
 // Dimensions of a bounce. Each address holds four independent numbers.
-const uint RANDOM_LABEL = 0u;       ///< x: which label (BSDF lobe class) the bounce takes
 const uint RANDOM_TECHNIQUE = 1u;   ///< x: BSDF or guide
 const uint RANDOM_GUIDE_LOBE = 2u;  ///< x: component of the guide's mixture
 const uint RANDOM_DIRECTION = 3u;   ///< xy: direction; z: lobe within a label
 const uint RANDOM_LIGHT = 5u;       ///< xyzw: sample_light
-const uint RANDOM_ROULETTE = 9u;    ///< x
 const uint RANDOM_PIXEL = 10u;      ///< xy: position inside the pixel (bounce 0)
 const uint RANDOM_DIMENSIONS = 16u;
 
-/// XORed into the seed of numbers that decide which sample a reservoir keeps: they must not be those of the samples
-/// themselves.
-const uint RANDOM_STREAM_RESAMPLING = 0x9e3779b9u;
+// Streams: XORed into the seed, so that no number of one is a number of another. The numbers that decide which sample is kept must not be
+// those of the samples themselves. Paths have the seed as it is.
+const uint RANDOM_STREAM_RESAMPLING = 0x9e3779b9u;  ///< which path of a pixel's trees is kept
+const uint RANDOM_STREAM_DIRECT = 0x7f4a7c15u;      ///< ReSTIR DI
+const uint RANDOM_STREAM_REUSE = 0x51ed270bu;       ///< reuse of paths over frames and pixels
+const uint RANDOM_STREAM_SCREEN = 0x2545f491u;      ///< a guide in screen space
 
 struct RandomKey {
     uint pixel;

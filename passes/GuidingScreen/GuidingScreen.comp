@@ -15,8 +15,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vec
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer StatisticsArray { ScreenStatistics at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ScreenLobeArray { ScreenLobe at[]; };
 
-/// XORed into the seed: no number of this pass is one of another pass.
-const uint RANDOM_STREAM_SCREEN = 0x2545f491u;
 /// The window that neighbours are drawn from, 5 x 5 pixels, without its centre.
 const uint WINDOW = 5u;
 const uint NEIGHBOURS = WINDOW * WINDOW - 1u;

@@ -33,6 +33,9 @@ public:
                 "largest side of a cell as seen in the image, as a share of the image's height");
         io.knob("smallest_cell", smallestCell_, 1e-5f, 1, "smallest side of a cell, as a share of the scene's radius");
         io.structural();
+        io.knob("rows", rows_, 1, 1u << 16,
+                "rows of pixels that are added per frame, at most: of a higher image each n-th one, a row further on "
+                "in each frame");
         io.choice("final_edges", finalEdges_, FINAL_EDGES,
                   "which path edges that end on a light are added: all, only those found by scattering, or none");
         io.knob("incident", incident_,
@@ -74,8 +77,10 @@ public:
         parameters.parallax = parallax_;
         parameters.cellSize = cellSize_;
         parameters.smallestCell = smallestCell_;
+        parameters.rowStep = (frame.height() + rows_ - 1) / rows_;
         frame.fill(*statistics_.resource);
-        frame.dispatch(kernel_, parameters, frame.width(), frame.height(), parameters.stride);
+        frame.dispatch(kernel_, parameters, frame.width(), (frame.height() + parameters.rowStep - 1) / parameters.rowStep,
+                       parameters.stride);
     }
 
 private:
@@ -90,6 +95,7 @@ private:
     In<Buffer> vertices_, samples_, guide_;
     Out<Buffer> statistics_;
     uint32_t cells_ = 1u << 16;
+    uint32_t rows_ = 1u << 16;
     float cellSize_ = 0.12f;
     float smallestCell_ = 1e-3f;
     std::string finalEdges_ = "all";

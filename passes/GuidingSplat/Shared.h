@@ -18,6 +18,7 @@ struct GuidingSplatParameters {
     uint parallax;  ///< 1: add up places, too
     float cellSize;  ///< of the image's height
     float smallestCell;  ///< of the scene's radius
+    uint rowStep;  ///< of so many rows of pixels one is added
 };
 
 // In the order of the knob's choices.

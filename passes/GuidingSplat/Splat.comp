@@ -123,10 +123,12 @@ void main()
 {
     frame = FrameRef(params.frame);
     uvec3 at = gl_GlobalInvocationID;
+    bool first = at == uvec3(0u);
+    at.y = at.y * params.rowStep + frame.c.frame % params.rowStep;
     if (any(greaterThanEqual(at, uvec3(frame.c.size, params.stride))))
         return;
     GuidingGrid grid = current_grid();
-    if (at == uvec3(0u)) {
+    if (first) {
         GuidingHeaderRef(params.statistics).at.grid = grid;
         GuidingHeaderRef(params.statistics).at.capacity = params.capacity;
         GuidingHeaderRef(params.statistics).at.options = learns_alpha() ? GUIDING_ALPHA : 0u;

@@ -15,8 +15,6 @@
 #define RESTIRPG_FAULT FAULT_NONE
 #endif
 
-/// XORed into the seed: no number of this pass is one of another pass.
-const uint RANDOM_STREAM_DIRECT = 0x7f4a7c15u;
 // First addresses of what the numbers decide; candidate i has address i.
 const uint RANDOM_RESAMPLING = 11u;  ///< dimension of a candidate: is it kept?
 const uint RANDOM_MERGE = 0x10000u;  ///< + round: which reservoir a merge keeps

@@ -15,9 +15,6 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vec2Array { vec2 at[]; };
 
-/// XORed into the seed: no number of this pass is one of another pass.
-const uint RANDOM_STREAM_REUSE = 0x51ed270bu;
-
 RandomKey reuse_key(uvec2 at)
 {
     return random_key(picture_pixel(at), frame.c.frame, frame.c.seed ^ RANDOM_STREAM_REUSE);

@@ -18,6 +18,8 @@ import pytest
 from renderer_scenes import ROOT, make_renderer, restirpg, scene  # noqa: F401
 from renderer_scenes import scene_file  # noqa: F401
 
+pytestmark = pytest.mark.compile_bound
+
 FRAMES = 6
 #: Cells of this part of the image's height hold some ten samples each at 32 x 32.
 CELL_SIZE = 0.15
@@ -78,6 +80,14 @@ def training_samples(renderer):
     return samples
 
 
+def in_added_rows(renderer, samples):
+    """The samples of each n-th row of pixels, of which the first is a row further on in each frame."""
+    width, height = renderer.size
+    step = -(-height // renderer.knobs()["splat"]["rows"])
+    by_row = samples.reshape(height, -1)
+    return by_row[(renderer.frame - 1) % step :: step].reshape(-1)
+
+
 def record(scene, graph, move=0.0, count=FRAMES, **knobs):  # noqa: F811
     """`count` frames of a graph whose camera steps `move` m aside a frame. Knobs: pass__knob."""
     renderer = make_renderer(scene, graph, seed=7)
@@ -95,7 +105,7 @@ def record(scene, graph, move=0.0, count=FRAMES, **knobs):  # noqa: F811
         guide = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, *memory)
         statistics = oracle.read_table(renderer.read_port("splat.statistics"), oracle.SUMS, *places)
         frames.append(
-            Recorded(training_samples(renderer), renderer.camera, statistics, guide, before, values)
+            Recorded(in_added_rows(renderer, training_samples(renderer)), renderer.camera, statistics, guide, before, values)
         )
         before = guide
         assert np.isfinite(renderer.output("image")).all()
@@ -119,6 +129,7 @@ CASES = {
         "restir_pg",
         {"splat__incident": True, "splat__final_edges": "scattered"},
     ),
+    "every third row": ("door_ajar", "restir_pg", {"splat__rows": 12}),
     "two lobes": ("door_ajar", "restir_pg", {"fit__lobes": 2}),
     "learnt alpha": ("door_ajar", "restir_pg", {"move": 0.04, "fit__learn_alpha": True}),
     "neither pool nor memory": (

@@ -13,6 +13,8 @@ from restirpg.harness.jobs import Job
 from restirpg.harness.motion import Motion
 from restirpg.harness.workers import Pool
 
+pytestmark = pytest.mark.compile_bound
+
 FRAMES = 3
 
 

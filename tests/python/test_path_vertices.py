@@ -12,6 +12,8 @@ import pytest
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 from triangles import load_triangles
 
+pytestmark = pytest.mark.compile_bound
+
 FRAMES = 4
 PORTS = ["paths.vertices", "reuse.vertices"]
 #: Length of the edges that are tested, m: on shorter ones the rounding of positions shows.

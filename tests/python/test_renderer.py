@@ -10,6 +10,8 @@ import pytest
 from renderer_scenes import (  # noqa: F401
     GRAPH, SIZE, frame_graph, make_renderer, renderer, restirpg, scene, scene_file, write_flying_panel)
 
+pytestmark = pytest.mark.compile_bound
+
 
 def image_after(renderer, frames, output="image"):
     """The output after so many more frames."""

@@ -112,6 +112,7 @@ def test_the_mean_does_not_depend_on_what_is_reused(scene, box_reference, settin
 
 
 # The mistake, and settings under which it matters. The weights' sums below find that of the previous camera.
+@pytest.mark.compile_bound
 @pytest.mark.parametrize(("fault", "settings"), [
     ("visibility", {}), ("cap", {}), ("confidence", {}), ("light_measure", {}),
     ("mixture", {"candidates": 1, "bsdf_candidates": 4, "rounds": 0})])
@@ -146,11 +147,13 @@ def weight_sums(every_light, fault="none", pairwise=True):
     return worst
 
 
+@pytest.mark.compile_bound
 @pytest.mark.parametrize("pairwise", [True, False])
 def test_the_weights_of_every_point_add_up_to_one(own_plugins, every_light, pairwise):
     assert weight_sums(every_light, pairwise=pairwise).max() < PARTITION_TOLERANCE
 
 
+@pytest.mark.compile_bound
 @pytest.mark.parametrize("fault", ["visibility", "cap", "previous_camera"])
 def test_a_mistake_breaks_the_weights_sum(own_plugins, every_light, fault):
     assert weight_sums(every_light, fault).max() > 100 * PARTITION_TOLERANCE

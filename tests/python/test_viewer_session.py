@@ -11,6 +11,8 @@ from restirpg.viewer import capture, pictures
 from restirpg.viewer.session import Session
 from restirpg.viewer.watch import Watch
 
+pytestmark = pytest.mark.compile_bound
+
 SIZE = (16, 16)
 
 

@@ -1,0 +1,80 @@
+#!/usr/bin/python3
+"""Figure 1 of the paper from a finished scene of benchmarks/paper_size.py: the whole picture, and crops by every method.
+
+    benchmarks/paper_figure.py out/paper_size/SCENE --scene SCENE.glb --crop X,Y --crop X,Y [--side 216] [--png FILE]
+
+Pictures are each method's last frame, errors those of its tiles.csv. The reference is rendered in the crops alone, by
+ReSTIR PG with a seed of its own.
+"""
+
+import argparse
+import csv
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import restirpg
+from restirpg.harness import files, program
+from restirpg.harness.paper import page, pictures
+
+ROOT = Path(__file__).resolve().parents[1]
+NAMES = {
+    "restir_pt": "no guiding",
+    "raw_pt_derevyannykh2022": "Derevyannykh 2022",
+    "raw_pt_ruppert2020": "Ruppert et al. 2020",
+    "restir_pg": "ReSTIR PG",
+    "restir_pg_plus": "ReSTIR PG+",
+}
+SHOWN = "restir_pg"  # as the whole picture
+
+
+def parse(arguments):
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, help="of the scene's report, with images/ and tiles.csv")
+    parser.add_argument("--scene", required=True, help="its file")
+    parser.add_argument("--crop", required=True, action="append", metavar="X,Y", help="left upper corner of a crop, two in all")
+    parser.add_argument("--side", type=int, default=216, help="of the crops, in pixels (%(default)s)")
+    parser.add_argument("--bounces", type=int, required=True, help="bounce cap of the reference")
+    parser.add_argument("--frames", type=int, default=256, help="of the reference (%(default)s)")
+    parser.add_argument("--png", default="out/paper_figure.png", help="file to write (%(default)s)")
+    return parser.parse_args(arguments)
+
+
+def render_reference(options, corners, size):
+    """The crops, in a picture that is black elsewhere."""
+    scene = restirpg.load_scene(options.scene)
+    graph = restirpg.load_graph(ROOT / "graphs/restir_pg.py")
+    image = np.zeros((size[1], size[0], 3), np.float32)
+    with restirpg.Renderer(scene, graph, size=size, seed=20202, window=(*corners[0], options.side, options.side)) as renderer:
+        renderer.set_everywhere("bounces", options.bounces)
+        for x, y in corners:
+            renderer.move_window(x, y)
+            renderer.render(options.frames)
+            image[y : y + options.side, x : x + options.side] = renderer.output("image")[..., :3]
+    return image
+
+
+def draw(options):
+    """Write the figure."""
+    corners = [tuple(map(int, crop.split(","))) for crop in options.crop]
+    with open(options.folder / "tiles.csv", newline="") as stream:
+        error = {row["method"]: f"{100 * float(row['mape']):.1f} ± {100 * float(row['mape_se']):.1f}%" for row in csv.DictReader(stream)}
+    name = Path(options.scene).stem
+    columns = [
+        pictures.Picture(title, restirpg.read_exr(options.folder / "images" / f"{name}.{method}.whole.exr"), error[method])
+        for method, title in NAMES.items()
+        if method in error
+    ]
+    whole = next(picture for picture in columns if picture.title == NAMES[SHOWN])
+    reference = render_reference(options, corners, whole.image.shape[1::-1])
+    columns.append(pictures.Picture("reference", reference, "MAPE"))
+    figure = pictures.teaser(name, pictures.exposure_of(whole.image), (corners, options.side), whole, columns)
+    files.write(options.png, page.Picture("figure", "", figure).png())
+    return 0
+
+
+if __name__ == "__main__":
+    arguments = parse(sys.argv[1:])
+    sys.exit(program.run("paper_figure.py", lambda display: draw(arguments)))
