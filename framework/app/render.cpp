@@ -41,6 +41,7 @@ struct Options {
     std::vector<std::string> knobs;  ///< "pass.knob=value"
     std::optional<uint32_t> bounces;
     std::optional<uint32_t> camera;
+    std::vector<float> pose;  ///< position, target, up, vertical field of view, radians; empty: the camera's own
     bool half = false;
     DisplayTransform display;
     RendererOptions renderer;
@@ -269,6 +270,8 @@ void render(Options& options)
     };
     Renderer renderer(scene, std::move(graph), options.renderer);
     compiling.reset();
+    if (const auto& p = options.pose; !p.empty())
+        renderer.moveCamera({{p[0], p[1], p[2]}, {p[3], p[4], p[5]}, {p[6], p[7], p[8]}, p[9]});
     const Interruption interruption;
     const auto& device = renderer.device().description();
     fmt::print("{}, {}, {} back end\n", device.name, device.driver,
@@ -293,6 +296,12 @@ void addInputOptions(CLI::App& command, Options& options)
         "--environment", options.environment,
         "Environment light in place of the scene's: an equirectangular .exr or .hdr, or a radiance r,g,b");
     command.add_option("--camera", options.camera, "Number of the scene's camera, counted from 0");
+    command
+        .add_option("--pose", options.pose,
+                    "Where the camera stands, as the live viewer copies it: position, target, up (x,y,z each) and the "
+                    "vertical field of view in radians")
+        ->delimiter(',')
+        ->expected(10);
     command.add_option("--time", options.renderer.time, "Time of the first frame, s");
     command.add_option("--fps", options.renderer.framesPerSecond,
                        "Frames per second of scene time; 0: the scene stands still");

@@ -19,6 +19,12 @@ public:
     using Error::Error;
 };
 
+/// A place that a caller gave, beyond the end of a list: Python's IndexError too.
+class WrongIndex : public Error {
+public:
+    using Error::Error;
+};
+
 /// As fail, with an error of this kind.
 template <typename Kind, typename... Args>
 [[noreturn]] void failAs(fmt::format_string<Args...> format, Args&&... args)

@@ -63,9 +63,11 @@ public:
     /// A preprocessor definition that every kernel built from now on gets (the back end, what the scene needs).
     void setKernelDefine(const std::string& name, const std::string& value) { kernelDefines_[name] = value; }
     const std::map<std::string, std::string>& kernelDefines() const { return kernelDefines_; }
-    /// The same when kernels are there already: each is compiled again at its next dispatch.
+    /// The same when kernels may be there already: at another value each is compiled again at its next dispatch.
     void changeKernelDefine(const std::string& name, const std::string& value)
     {
+        if (const auto found = kernelDefines_.find(name); found != kernelDefines_.end() && found->second == value)
+            return;
         setKernelDefine(name, value);
         ++kernelGeneration_;
     }

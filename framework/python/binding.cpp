@@ -63,6 +63,8 @@ PYBIND11_MODULE(_native, module)
         "A file to read is not there.";
     py::register_exception<restirpg::WrongValue>(module, "WrongValueError", kind(PyExc_ValueError)).doc() =
         "A value that was given is of a wrong type, out of range or no name of anything.";
+    py::register_exception<restirpg::WrongIndex>(module, "WrongIndexError", kind(PyExc_IndexError)).doc() =
+        "A place that was given lies beyond the end of a list.";
     module.attr("__version__") = restirpg::VERSION;
     module.attr("COMMIT") = restirpg::COMMIT;
     module.attr("PLUGIN_ABI") = restirpg::PLUGIN_ABI;

@@ -16,6 +16,7 @@ namespace py = pybind11;
 /// What load_graph returns: a graph as data, checked for shape only.
 struct GraphDescription {
     nlohmann::json json;
+    std::filesystem::path file;  ///< that it was read from
 };
 
 /// A float32 array; what is another type or layout is copied.

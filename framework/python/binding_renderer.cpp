@@ -54,6 +54,9 @@ Raises Error when there is no such port, when nobody reads it, or before the fir
 constexpr const char* CAMERA =
     R"(Where the camera stands: a dictionary of position and target (m), up, and yfov (radians).)";
 
+constexpr const char* SCENE_CAMERAS =
+    R"(The scene's cameras in its order, where they stand now: a list of what `camera` has, and name.)";
+
 constexpr const char* MOVE_CAMERA =
     R"(Move the camera from the next frame on; what is None stays. History is kept: cut() forgets it.
 
@@ -71,6 +74,13 @@ constexpr const char* SAVE =
 half: half floats. output: write only this one, or only those of a list. The header carries the graph, its knobs, seed, frames, scene, device and
 commit.)";
 
+constexpr const char* RELOAD =
+    R"(Read kernels, their headers and the graph anew, and go on with them: what was edited is seen. Implies cut().
+
+graph: one to render by in place of the renderer's own. None: its own; one of load_graph is read anew from its file. Knobs
+that were set stay so where the graph has them. Raises Error, located in the graph or the kernel; all is as before then.
+Libraries of passes that were compiled anew need a new process.)";
+
 nlohmann::json describe(const py::object& graph)
 {
     if (py::isinstance<GraphDescription>(graph))
@@ -82,6 +92,24 @@ nlohmann::json describe(const py::object& graph)
         return toJson(graph);
     failAs<WrongValue>("{} is no graph; give what load_graph returns, a restirpg.Graph or a dictionary",
                        py::repr(graph).cast<std::string>());
+}
+
+/// The file that load_graph read, or empty.
+std::filesystem::path fileOf(const py::object& graph)
+{
+    return py::isinstance<GraphDescription>(graph) ? graph.cast<const GraphDescription&>().file : "";
+}
+
+/// A graph as a renderer of the scene takes it. `outputs`: that it gets besides its own.
+std::unique_ptr<Graph> checkedGraph(nlohmann::json description, const Scene& scene,
+                                    const std::vector<std::string>& outputs)
+{
+    auto graph = std::make_unique<Graph>(std::move(description), Plugins());
+    if (scene.bounceCap)
+        graph->setKnobEverywhere("bounces", *scene.bounceCap);
+    for (const auto& name : outputs)
+        graph->addOutput(name);
+    return graph;
 }
 
 std::unique_ptr<SharedRenderer>
@@ -101,31 +129,25 @@ makeRenderer(const std::shared_ptr<Scene>& scene, const py::object& graph, const
     options.energyCompensation = energyCompensation;
     options.device = {device ? py::str(*device).cast<std::string>() : "", backend.value_or(""), validation};
     auto description = describe(graph);
+    auto file = fileOf(graph);
     py::gil_scoped_release release;
-    auto checked = std::make_unique<Graph>(std::move(description), Plugins());
-    if (scene->bounceCap)
-        checked->setKnobEverywhere("bounces", *scene->bounceCap);
-    for (const auto& name : outputs)
-        checked->addOutput(name);
-    return std::make_unique<SharedRenderer>(std::make_unique<Renderer>(scene, std::move(checked), options));
+    auto renderer = std::make_unique<Renderer>(scene, checkedGraph(std::move(description), *scene, outputs), options);
+    return std::make_unique<SharedRenderer>(std::move(renderer), std::move(file), outputs);
 }
 
-/// A method of the class that is a call of Renderer's: its arguments and result are no Python objects.
-template <typename Result, typename... Arguments>
-auto shared(Result (Renderer::*member)(Arguments...))
+void reload(SharedRenderer& shared, const py::object& graph)
 {
-    return [member](SharedRenderer& shared, std::decay_t<Arguments>... arguments) {
-        return shared.run([&](Renderer& renderer) -> std::decay_t<Result> { return (renderer.*member)(arguments...); });
-    };
-}
-
-template <typename Result, typename... Arguments>
-auto shared(Result (Renderer::*member)(Arguments...) const)
-{
-    return [member](SharedRenderer& shared, std::decay_t<Arguments>... arguments) {
-        return shared.run(
-            [&](const Renderer& renderer) -> std::decay_t<Result> { return (renderer.*member)(arguments...); });
-    };
+    const bool same = graph.is_none();
+    auto description = same ? nlohmann::json() : describe(graph);
+    auto file = same ? std::filesystem::path() : fileOf(graph);
+    shared.run([&](Renderer& renderer) {
+        if (same) {
+            file = shared.graphFile;
+            description = file.empty() ? renderer.graph().description() : readGraphFile(file);
+        }
+        renderer.reload(checkedGraph(std::move(description), renderer.scene(), shared.outputs));
+        shared.graphFile = std::move(file);
+    });
 }
 
 void render(SharedRenderer& shared, uint32_t frames)
@@ -155,14 +177,29 @@ Triple triple(const glm::vec3& v)
     return {v.x, v.y, v.z};
 }
 
-py::dict camera(SharedRenderer& shared)
+py::dict asDict(const CameraPose& pose)
 {
-    const CameraPose pose = shared.run([](const Renderer& renderer) { return renderer.camera(); });
     py::dict result;
     result["position"] = triple(pose.position);
     result["target"] = triple(pose.target);
     result["up"] = triple(pose.up);
     result["yfov"] = pose.yfov;
+    return result;
+}
+
+py::dict camera(SharedRenderer& shared)
+{
+    return asDict(shared.run([](const Renderer& renderer) { return renderer.camera(); }));
+}
+
+py::list sceneCameras(SharedRenderer& shared)
+{
+    py::list result;
+    for (const auto& [name, pose] : shared.run([](const Renderer& renderer) { return renderer.sceneCameras(); })) {
+        py::dict entry = asDict(pose);
+        entry["name"] = name;
+        result.append(entry);
+    }
     return result;
 }
 
@@ -253,6 +290,7 @@ void bindMotion(py::class_<SharedRenderer>& renderer)
         .def("move_camera", &moveCamera, MOVE_CAMERA, "position"_a = py::none(), "target"_a = py::none(),
              "up"_a = py::none(), "yfov"_a = py::none())
         .def("move_node", &moveNode, MOVE_NODE, "node"_a, "matrix"_a)
+        .def("scene_cameras", &sceneCameras, SCENE_CAMERAS)
         .def("set_time", shared(&Renderer::setTime), "Time of the scene's animation at the next frame, s.", "seconds"_a)
         .def("cut", shared(&Renderer::cut), "Forget all history: the next frame is a first frame.");
 }
@@ -312,7 +350,9 @@ void bindRenderer(py::module_& module)
         .def(
             "__exit__", [](SharedRenderer& r, const py::args&) { r.close(); }, "Give back the device's memory.")
         .def("save", &save, SAVE, "file"_a, "half"_a = false, "output"_a = "");
+    renderer.def("reload", &reload, RELOAD, "graph"_a = py::none());
     bindKnobs(renderer);
+    bindEdits(renderer);
     bindMotion(renderer);
     bindMeasurements(renderer);
 }

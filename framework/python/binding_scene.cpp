@@ -116,8 +116,11 @@ void bindScene(py::module_& module)
             return fmt::format("<restirpg.GraphDescription {}>", graph.json.value("name", "without a name"));
         });
     module.def(
-        "load_graph", [](const fs::path& file) { return GraphDescription{readGraphFile(file)}; }, LOAD_GRAPH, "file"_a,
-        py::call_guard<py::gil_scoped_release>());
+        "load_graph",
+        [](const fs::path& file) {
+            return GraphDescription{readGraphFile(file), file};
+        },
+        LOAD_GRAPH, "file"_a, py::call_guard<py::gil_scoped_release>());
 
     module.def(
         "code_paths", &codePaths,

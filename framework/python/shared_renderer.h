@@ -7,8 +7,11 @@
 #include <pybind11/pybind11.h>
 
 #include <condition_variable>
+#include <filesystem>
 #include <memory>
 #include <mutex>
+#include <string>
+#include <vector>
 
 #include <unistd.h>
 
@@ -44,7 +47,12 @@ private:
 /// two locks are waited for at once.
 class SharedRenderer {
 public:
-    explicit SharedRenderer(std::unique_ptr<Renderer> renderer) : renderer_(std::move(renderer)) {}
+    /// graphFile: that the graph was read from, or empty. outputs: that it got besides its own.
+    SharedRenderer(std::unique_ptr<Renderer> renderer, std::filesystem::path graphFile,
+                   std::vector<std::string> outputs)
+        : graphFile(std::move(graphFile)), outputs(std::move(outputs)), renderer_(std::move(renderer))
+    {
+    }
     ~SharedRenderer()
     {
         // The device's threads are not in a forked process: destroying it there would wait for them.
@@ -67,6 +75,9 @@ public:
         return action(*renderer_);
     }
 
+    std::filesystem::path graphFile;
+    const std::vector<std::string> outputs;
+
     /// Give back what it has of the device. Later calls throw Error.
     void close()
     {
@@ -83,5 +94,26 @@ private:
     FairMutex mutex_;
     const pid_t process_ = getpid();
 };
+
+/// A method of Python's class that is a call of Renderer's: its arguments and result are no Python objects.
+template <typename Result, typename... Arguments>
+auto shared(Result (Renderer::*member)(Arguments...))
+{
+    return [member](SharedRenderer& shared, std::decay_t<Arguments>... arguments) {
+        return shared.run([&](Renderer& renderer) -> std::decay_t<Result> { return (renderer.*member)(arguments...); });
+    };
+}
+
+template <typename Result, typename... Arguments>
+auto shared(Result (Renderer::*member)(Arguments...) const)
+{
+    return [member](SharedRenderer& shared, std::decay_t<Arguments>... arguments) {
+        return shared.run(
+            [&](const Renderer& renderer) -> std::decay_t<Result> { return (renderer.*member)(arguments...); });
+    };
+}
+
+/// Defined in binding_edit.cpp: what can be changed of the scene.
+void bindEdits(pybind11::class_<SharedRenderer>& renderer);
 
 }  // namespace restirpg::python

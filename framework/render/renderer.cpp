@@ -11,14 +11,6 @@
 namespace restirpg {
 namespace {
 
-/// The pose of a camera node; the target is one metre ahead.
-CameraPose poseOf(const CameraNode& camera, const glm::mat4& nodeToWorld)
-{
-    const glm::vec3 position(nodeToWorld[3]);
-    return {position, position - glm::normalize(glm::vec3(nodeToWorld[2])), glm::normalize(glm::vec3(nodeToWorld[1])),
-            camera.yfov};
-}
-
 /// A camera node's world matrix for a pose.
 glm::mat4 lookMatrix(const CameraPose& pose)
 {
@@ -185,10 +177,24 @@ CameraPose Renderer::camera() const
 {
     if (cameraOverride_)
         return *cameraOverride_;
-    const auto& node = scene_->cameras[scene_->camera];
-    auto toWorld = poseNodes(*scene_, time_, overrides_)[node.node];
-    toWorld[3] += glm::vec4(scene_->origin, 0);
-    return poseOf(node, toWorld);
+    return poseOf(scene_->cameras[scene_->camera]);
+}
+
+/// Of a camera node now; the target is one metre ahead.
+CameraPose Renderer::poseOf(const CameraNode& camera) const
+{
+    const auto toWorld = poseNodes(*scene_, time_, overrides_)[camera.node];
+    const glm::vec3 position = glm::vec3(toWorld[3]) + scene_->origin;
+    return {position, position - glm::normalize(glm::vec3(toWorld[2])), glm::normalize(glm::vec3(toWorld[1])),
+            camera.yfov};
+}
+
+std::vector<std::pair<std::string, CameraPose>> Renderer::sceneCameras() const
+{
+    std::vector<std::pair<std::string, CameraPose>> cameras;
+    for (const auto& camera : scene_->cameras)
+        cameras.emplace_back(camera.name, poseOf(camera));
+    return cameras;
 }
 
 void Renderer::moveCamera(const CameraPose& pose)
@@ -272,68 +278,31 @@ std::map<std::string, uint64_t> Renderer::memory() const
     return bytes;
 }
 
-nlohmann::json Renderer::knobs() const
-{
-    nlohmann::json all = nlohmann::json::object();
-    for (const auto& pass : graph().passes())
-        for (const auto& knob : pass.interface.knobs())
-            all[pass.name][knob.name] = knob.get();
-    return all;
-}
-
-nlohmann::json Renderer::knob(const std::string& path) const
-{
-    const auto all = knobs();
-    const auto dot = path.find('.');
-    const std::string pass = path.substr(0, dot), name = dot == std::string::npos ? "" : path.substr(dot + 1);
-    if (!all.contains(pass) || !all[pass].contains(name))
-        failAs<WrongValue>("graph '{}' has no knob '{}'; knobs are written pass.knob", graph().name(), path);
-    return all[pass][name];
-}
-
-void Renderer::setKnob(const std::string& path, const nlohmann::json& value)
-{
-    const std::string name = executor_->graph().knob(path).name;
-    executor_->setKnob(*executor_->graph().find(path.substr(0, path.find('.'))), name, value);
-}
-
-uint32_t Renderer::setKnobEverywhere(const std::string& name, const nlohmann::json& value)
-{
-    std::vector<std::pair<std::string, nlohmann::json>> before;
-    for (const auto& pass : graph().passes()) {
-        const auto& all = pass.interface.knobs();
-        const auto found = std::find_if(all.begin(), all.end(), [&](const Knob& knob) { return knob.name == name; });
-        if (found != all.end())
-            before.emplace_back(pass.name + "." + name, found->get());
-    }
-    for (size_t i = 0; i < before.size(); ++i) {
-        try {
-            setKnob(before[i].first, value);
-        } catch (...) {
-            while (i-- > 0)
-                setKnob(before[i].first, before[i].second);
-            throw;
-        }
-    }
-    return uint32_t(before.size());
-}
-
 std::map<std::string, std::string> Renderer::provenance() const
 {
     const auto& device = device_->description();
-    return {{"restirpg.graph", textOf(graph().description())},
-            {"restirpg.knobs", textOf(knobs())},
-            {"restirpg.seed", std::to_string(options_.seed)},
-            {"restirpg.frames", std::to_string(frame())},
-            {"restirpg.size", fmt::format("{}x{}", options_.width, options_.height)},
-            {"restirpg.window", fmt::format("{},{},{},{}", window().x, window().y, window().width, window().height)},
-            {"restirpg.scene", scene_->file.filename().string()},
-            {"restirpg.sceneHash", scene_->hash},
-            {"restirpg.device", device.name},
-            {"restirpg.driver", device.driver},
-            {"restirpg.backend", device_->backend() == Backend::rayQuery ? "rayquery" : "software"},
-            {"restirpg.energyCompensation", options_.energyCompensation ? "true" : "false"},
-            {"restirpg.commit", COMMIT}};
+    std::map<std::string, std::string> attributes = {
+        {"restirpg.graph", textOf(graph().description())},
+        {"restirpg.knobs", textOf(knobs())},
+        {"restirpg.seed", std::to_string(options_.seed)},
+        {"restirpg.frames", std::to_string(frame())},
+        {"restirpg.size", fmt::format("{}x{}", options_.width, options_.height)},
+        {"restirpg.window", fmt::format("{},{},{},{}", window().x, window().y, window().width, window().height)},
+        {"restirpg.scene", scene_->file.filename().string()},
+        {"restirpg.sceneHash", scene_->hash},
+        {"restirpg.device", device.name},
+        {"restirpg.driver", device.driver},
+        {"restirpg.backend", device_->backend() == Backend::rayQuery ? "rayquery" : "software"},
+        {"restirpg.energyCompensation", options_.energyCompensation ? "true" : "false"},
+        {"restirpg.commit", COMMIT}};
+    if (cameraOverride_) {
+        const auto& [position, target, up, yfov] = *cameraOverride_;
+        attributes["restirpg.pose"] = fmt::format("{},{},{},{},{},{},{},{},{},{}", position.x, position.y, position.z,
+                                                  target.x, target.y, target.z, up.x, up.y, up.z, yfov);
+    }
+    if (!edits_.empty())
+        attributes["restirpg.sceneEdits"] = textOf(edits_);
+    return attributes;
 }
 
 void Renderer::save(const std::filesystem::path& file, PixelType type, const std::vector<std::string>& only)

@@ -76,6 +76,22 @@ public:
     void moveNode(const std::string& name, const glm::mat4& local);
     /// The same by the node's place in Scene::nodes.
     void moveNode(size_t node, const glm::mat4& local);
+    /// The scene's cameras by their names, as they stand now.
+    std::vector<std::pair<std::string, CameraPose>> sceneCameras() const;
+
+    /// What can be changed of the scene: {"materials.Wall.base_color": [r, g, b], ...}, see scene/edit.h.
+    nlohmann::json parameters() const;
+    /// Change some of it for this renderer alone, which has a copy of the scene from then on: pictures are those of a
+    /// file with these values, to the byte. Tables of lights and their probabilities follow. Nodes take a new
+    /// acceleration structure; moveNode is cheaper for what moves every frame. A cut. Throws WrongValue or WrongIndex;
+    /// all is as before then.
+    void edit(const std::map<std::string, std::vector<float>>& values);
+
+    /// Render by another graph, or by the same one, its kernels read anew from their files. Knobs that setKnob turned
+    /// stay so where the graph has them. Throws Error, located in the graph or the kernel; all is as before then. A
+    /// cut.
+    void reload(std::unique_ptr<Graph> graph);
+
     void setTime(float seconds);
     /// Other random numbers from the next frame on. Cut as well: paths of the history replay the numbers of their own
     /// seed. After both the frames are those of a new renderer of that seed, byte for byte, where scene time and poses
@@ -99,8 +115,8 @@ public:
     Device& device() { return *device_; }
     const RendererOptions& options() const { return options_; }
 
-    /// What an EXR header carries: graph JSON, knobs, seed, frames, size, scene file and hash, device, driver, back
-    /// end, commit.
+    /// What an EXR header carries: graph JSON, knobs, seed, frames, size, scene file and hash, the camera's pose where
+    /// it was moved, what edit() changed, device, driver, back end, commit.
     std::map<std::string, std::string> provenance() const;
     /// Write outputs as one EXR: the first plain, the others as layers. `only`: these, which must be images; empty: all
     /// that are images.
@@ -108,6 +124,7 @@ public:
               const std::vector<std::string>& only = {});
 
 private:
+    CameraPose poseOf(const CameraNode& camera) const;
     FrameConstants constants() const;
 
     RendererOptions options_;
@@ -115,6 +132,9 @@ private:
     std::unique_ptr<Device> device_;
     std::unique_ptr<SceneGpu> sceneGpu_;
     std::unique_ptr<Executor> executor_;
+    std::shared_ptr<Scene> edited_;  ///< the same as scene_ once edit() has made a copy
+    nlohmann::json edits_ = nlohmann::json::object();  ///< what edit() was given
+    std::map<std::string, nlohmann::json> turned_;  ///< what setKnob was given
     std::vector<std::optional<glm::mat4>> overrides_;
     std::optional<CameraPose> cameraOverride_;
     std::optional<Camera> previousCamera_;

@@ -68,9 +68,11 @@ SceneGpu::SceneGpu(Device& device, const Scene& scene, const std::vector<glm::ma
     : device_(device), scene_(scene), bindings_(device)
 {
     const uint64_t before = device.allocatedBytes();
-    device.setKernelDefine("RESTIRPG_ALPHA_MASK", hasAlphaMask(scene) ? "1" : "0");
+    device.changeKernelDefine("RESTIRPG_ALPHA_MASK", hasAlphaMask(scene) ? "1" : "0");
     uploadGeometry();
-    uploadMaterials(energyCompensation);
+    if (energyCompensation)
+        uploadEnergyTables();
+    uploadMaterials();
     uploadTextures();
     placeInstances(pose);
     createAcceleration();
@@ -109,29 +111,31 @@ void SceneGpu::uploadGeometry()
     table_.triangles = keep(device_.createBuffer(triangles, "triangles")).address();
 }
 
-/// The materials; with energy compensation one table for each index of refraction that they have.
-void SceneGpu::uploadMaterials(bool energyCompensation)
+/// One table for each index of refraction that the materials have.
+void SceneGpu::uploadEnergyTables()
+{
+    device_.changeKernelDefine("RESTIRPG_ENERGY_COMPENSATION", "1");
+    std::vector<glm::vec4> tables;
+    for (const Material& material : scene_.materials) {
+        if (!energyTableOf_.try_emplace(material.ior, uint32_t(energyTableOf_.size())).second)
+            continue;
+        const auto table = energyTable(material.ior);
+        tables.insert(tables.end(), table.begin(), table.end());
+    }
+    table_.energyTables = keep(device_.createBuffer(tables, "energy tables")).address();
+}
+
+void SceneGpu::uploadMaterials()
 {
     std::vector<Material> materials = scene_.materials;
     for (Material& material : materials) {
         material.flags |= mapsOf(material).empty() ? 0 : MATERIAL_TEXTURED;
         material.flags |= material.emissiveMap.index == INVALID_INDEX ? 0 : MATERIAL_EMISSION_TEXTURED;
+        if (!energyTableOf_.empty())
+            material.energyTable = energyTableOf_.at(material.ior);
     }
-    if (energyCompensation) {
-        device_.setKernelDefine("RESTIRPG_ENERGY_COMPENSATION", "1");
-        std::map<float, uint32_t> indices;
-        std::vector<glm::vec4> tables;
-        for (Material& material : materials) {
-            const auto [found, added] = indices.try_emplace(material.ior, uint32_t(indices.size()));
-            material.energyTable = found->second;
-            if (!added)
-                continue;
-            const auto table = energyTable(material.ior);
-            tables.insert(tables.end(), table.begin(), table.end());
-        }
-        table_.energyTables = keep(device_.createBuffer(tables, "energy tables")).address();
-    }
-    table_.materials = keep(device_.createBuffer(materials, "materials")).address();
+    materialBuffer_ = device_.createBuffer(materials, "materials");
+    table_.materials = materialBuffer_.address();
 }
 
 void SceneGpu::createAcceleration()
@@ -139,7 +143,7 @@ void SceneGpu::createAcceleration()
     if (device_.backend() == Backend::software) {
         software_ = std::make_unique<SoftwareTracing>(device_, scene_, instances_);
         oneLevel_ = software_->isOneLevel();
-        device_.setKernelDefine("RESTIRPG_ONE_LEVEL", oneLevel_ ? "1" : "0");
+        device_.changeKernelDefine("RESTIRPG_ONE_LEVEL", oneLevel_ ? "1" : "0");
         return;
     }
     const uint64_t indices = keep(device_.createBuffer(scene_.triangles, "indices")).address();
@@ -232,19 +236,32 @@ void SceneGpu::followScene(const Sphere& sphere)
 
 void SceneGpu::uploadLights(const std::vector<glm::mat4>& pose)
 {
-    lights_ = buildLightTable(scene_, pose, table_.radius);
+    lights_ = buildLightTable(scene_, pose, boundingSphere().radius);
     for (size_t i = 0; i < instances_.size(); ++i)
         instances_[i].lightMap = lights_.lightMapOfInstance[i];
     device_.upload(instanceBuffer_, instances_.data(), instances_.size() * sizeof(Instance));
     lightBuffer_ = device_.createBuffer(lights_.lights, "lights");
     table_.lights = lightBuffer_.address();
-    table_.lightOfTriangle = keep(device_.createBuffer(lights_.lightOfTriangle, "lightOfTriangle")).address();
+    lightOfTriangleBuffer_ = device_.createBuffer(lights_.lightOfTriangle, "lightOfTriangle");
+    table_.lightOfTriangle = lightOfTriangleBuffer_.address();
     table_.lightCount = lights_.lit ? uint32_t(lights_.lights.size()) : 0;
     table_.environmentLight = lights_.environmentLight;
-    if (!lights_.emissionCells.empty())
-        table_.emissionCells = keep(device_.createBuffer(lights_.emissionCells, "emission cells")).address();
-    if (!lights_.environmentCells.empty())
-        table_.environmentCells = keep(device_.createBuffer(lights_.environmentCells, "environment cells")).address();
+    const auto upload = [&](const std::vector<ImportanceCell>& cells, Buffer& buffer, const char* name) {
+        buffer = cells.empty() ? Buffer() : device_.createBuffer(cells, name);
+        return cells.empty() ? 0 : buffer.address();
+    };
+    table_.emissionCells = upload(lights_.emissionCells, emissionCellBuffer_, "emission cells");
+    table_.environmentCells = upload(lights_.environmentCells, environmentCellBuffer_, "environment cells");
+}
+
+void SceneGpu::refresh()
+{
+    const uint64_t before = device_.allocatedBytes();
+    uploadMaterials();
+    if (scene_.environment)
+        table_.environmentRadiance = scene_.environment->radiance;
+    uploadLights(pose_);
+    bytes_ += device_.allocatedBytes() - before;
 }
 
 /// The instances as they stand, and the acceleration structure over them.

@@ -9,6 +9,7 @@
 #include "scene/scene.h"
 #include "shaders/frame_types.h"
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -20,6 +21,10 @@ public:
     /// Upload the scene as it stands at `pose` (world matrices, in the order of Scene::nodes). With energy
     /// compensation, kernels built from now on give rough surfaces the light back that single scattering loses.
     SceneGpu(Device& device, const Scene& scene, const std::vector<glm::mat4>& pose, bool energyCompensation = false);
+
+    /// Take materials, lights and the environment's radiance as the scene has them now, at the pose of the last update.
+    /// The light table is made anew, so that lights may get other indices: history that refers to them is to be cut.
+    void refresh();
 
     /// Move instances and lights to a new pose and bring the acceleration structure up to date. What moved in the call
     /// before stands still now, so this is called every frame.
@@ -37,7 +42,8 @@ private:
         float radius;
     };
     void uploadGeometry();
-    void uploadMaterials(bool energyCompensation);
+    void uploadEnergyTables();
+    void uploadMaterials();
     void createAcceleration();
     void uploadTextures();
     void placeInstances(const std::vector<glm::mat4>& pose);
@@ -59,7 +65,9 @@ private:
     LightTable lights_;
     std::vector<glm::mat4> pose_;
     bool settled_ = true;  ///< previous and current matrices agree on the device
-    Buffer instanceBuffer_, previousPoseBuffer_, lightBuffer_;
+    std::map<float, uint32_t> energyTableOf_;  ///< by index of refraction; empty: no energy compensation
+    Buffer instanceBuffer_, previousPoseBuffer_, materialBuffer_;
+    Buffer lightBuffer_, lightOfTriangleBuffer_, emissionCellBuffer_, environmentCellBuffer_;
     BindingSet bindings_;
     std::unique_ptr<SoftwareTracing> software_;
     bool oneLevel_ = false;  ///< what kernels were told

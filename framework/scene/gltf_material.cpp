@@ -305,10 +305,13 @@ private:
 void readMaterials(const File& file, Scene& scene)
 {
     MaterialReader reader(file, scene);
-    for (size_t i = 0; i < file.model.materials.size(); ++i)
+    for (size_t i = 0; i < file.model.materials.size(); ++i) {
         scene.materials.push_back(reader.read(i));
+        scene.materialNames.push_back(file.model.materials[i].name);
+    }
     reader.report();
     scene.materials.push_back(MaterialReader::defaultMaterial());
+    scene.materialNames.emplace_back();
 }
 
 }  // namespace restirpg::gltf

@@ -124,6 +124,7 @@ struct Scene {
     std::vector<PunctualLight> punctualLights;
     std::optional<Environment> environment;
     std::vector<Material> materials;
+    std::vector<std::string> materialNames;  ///< as many, as in the file
     std::vector<Texture> textures;
 
     std::vector<glm::vec3> positions;  ///< per vertex, object space

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "COMMIT", "Error", "GRAPHS", "Graph", "GraphDescription", "GraphError", "MissingFileError", "PLUGIN_ABI", "Port", "Renderer",
-    "Scene", "WrongValueError", "code_paths", "denoise", "describe_pass", "devices", "have_denoiser", "load_graph", "load_scene",
+    "Scene", "WrongIndexError", "WrongValueError", "code_paths", "denoise", "describe_pass", "devices", "have_denoiser", "load_graph", "load_scene",
     "measure_errors", "prev", "read_exr", "read_exr_attributes", "view", "write_exr", "write_png",
 ]  # fmt: skip
 

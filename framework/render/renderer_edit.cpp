@@ -1,0 +1,105 @@
+// What can be changed of a renderer that is there: knobs, the graph and its kernels, values of the scene.
+#include "core/error_kinds.h"
+#include "graph/wiring.h"
+#include "render/executor.h"
+#include "render/renderer.h"
+#include "scene/edit.h"
+
+#include <algorithm>
+
+namespace restirpg {
+
+nlohmann::json Renderer::knobs() const
+{
+    nlohmann::json all = nlohmann::json::object();
+    for (const auto& pass : graph().passes())
+        for (const auto& knob : pass.interface.knobs())
+            all[pass.name][knob.name] = knob.get();
+    return all;
+}
+
+nlohmann::json Renderer::knob(const std::string& path) const
+{
+    const auto all = knobs();
+    const auto dot = path.find('.');
+    const std::string pass = path.substr(0, dot), name = dot == std::string::npos ? "" : path.substr(dot + 1);
+    if (!all.contains(pass) || !all[pass].contains(name))
+        failAs<WrongValue>("graph '{}' has no knob '{}'; knobs are written pass.knob", graph().name(), path);
+    return all[pass][name];
+}
+
+void Renderer::setKnob(const std::string& path, const nlohmann::json& value)
+{
+    const std::string name = executor_->graph().knob(path).name;
+    executor_->setKnob(*executor_->graph().find(path.substr(0, path.find('.'))), name, value);
+    turned_[path] = value;
+}
+
+uint32_t Renderer::setKnobEverywhere(const std::string& name, const nlohmann::json& value)
+{
+    std::vector<std::pair<std::string, nlohmann::json>> before;
+    for (const auto& pass : graph().passes()) {
+        const auto& all = pass.interface.knobs();
+        const auto found = std::find_if(all.begin(), all.end(), [&](const Knob& knob) { return knob.name == name; });
+        if (found != all.end())
+            before.emplace_back(pass.name + "." + name, found->get());
+    }
+    for (size_t i = 0; i < before.size(); ++i) {
+        try {
+            setKnob(before[i].first, value);
+        } catch (...) {
+            while (i-- > 0)
+                setKnob(before[i].first, before[i].second);
+            throw;
+        }
+    }
+    return uint32_t(before.size());
+}
+
+nlohmann::json Renderer::parameters() const
+{
+    nlohmann::json all = nlohmann::json::object();
+    for (const auto& parameter : parametersOf(*scene_, overrides_))
+        all[parameter.path] = parameter.values;
+    return all;
+}
+
+void Renderer::edit(const std::map<std::string, std::vector<float>>& values)
+{
+    auto overrides = overrides_;
+    bool moves = false;
+    for (const auto& [path, numbers] : values)
+        if (const auto node = nodeOfPath(*scene_, path)) {
+            overrides[*node].reset();
+            moves = true;
+        }
+    if (edited_ && !moves) {
+        editScene(*edited_, values);
+        sceneGpu_->refresh();
+    } else {
+        auto scene = std::make_shared<Scene>(*scene_);
+        editScene(*scene, values);
+        sceneGpu_ = std::make_unique<SceneGpu>(*device_, *scene, poseNodes(*scene, time_, overrides),
+                                               options_.energyCompensation);
+        scene_ = edited_ = std::move(scene);
+        overrides_ = std::move(overrides);
+    }
+    for (const auto& [path, numbers] : values)
+        edits_[path] = numbers;
+    cut();
+}
+
+void Renderer::reload(std::unique_ptr<Graph> graph)
+{
+    for (const auto& [path, value] : turned_) {
+        const auto dot = path.find('.');
+        auto* pass = graph->find(path.substr(0, dot));
+        if (pass && findKnob(*pass, path.substr(dot + 1)))
+            graph->setKnob(path, value);
+    }
+    executor_ =
+        std::make_unique<Executor>(*device_, std::move(graph), window().width, window().height, options_.compiling);
+    previousCamera_.reset();
+}
+
+}  // namespace restirpg
