@@ -3,9 +3,11 @@
 beyond rendering.
 
     PYTHONPATH=scripts benchmarks/viewer.py --scene FILE [--graph FILE ...] [--size WxH ...] [--seconds 20]
+    PYTHONPATH=scripts benchmarks/viewer.py --scene FILE [--graph FILE ...] [--size WxH] --monkey 600 [--seed 1]
 
 A tab over the loopback network that shows each picture at once, as a browser does but for decoding and drawing, turns the
-camera now and then. Printed is one row of a table for each graph and size.
+camera now and then. Printed is one row of a table for each graph and size. With --monkey the graphs are looked at together
+under random input (viewer_monkey.py) for so many seconds; the exit code is 1 where it found a fault.
 """
 
 import argparse
@@ -13,12 +15,14 @@ import asyncio
 import json
 import statistics
 import struct
+import sys
 import time
 from pathlib import Path
 
 import aiohttp
 
 import restirpg
+import viewer_monkey
 from restirpg.harness import program
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -76,21 +80,37 @@ def row(graph, size, scene, seconds):
             f"{cpu:.1f} | {bytes_a_frame / 1000:.0f} |")
 
 
+def play(graphs, size, scene, seconds, seed):
+    """A monkey at these graphs together. Returns the exit code."""
+    with restirpg.view(graphs, scene, size, captures=None) as viewer:
+        faults, numbers = viewer_monkey.run(viewer, seconds, seed)
+    print(numbers)
+    for fault in faults:
+        print(f"fault: {fault}")
+    return 1 if faults else 0
+
+
 def main():
-    """Print the table."""
+    """Print the table, or what a monkey has found. Returns the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scene", required=True)
     parser.add_argument("--graph", action="append")
     parser.add_argument("--size", type=program.size, action="append")
     parser.add_argument("--seconds", type=program.positive, default=20)
+    parser.add_argument("--monkey", type=program.positive, metavar="SECONDS")
+    parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
     scene = restirpg.load_scene(arguments.scene)
+    graphs = arguments.graph or [str(ROOT / "graphs" / "path_tracer.py"), str(ROOT / "graphs" / "restir_pg.py")]
+    if arguments.monkey:
+        return play(graphs, (arguments.size or [(64, 36)])[0], scene, arguments.monkey, arguments.seed)
     print("| graph | size | frames/s | input to picture, ms | rendering, ms | picture and JPEG, ms | of it CPU, ms | kB a frame |")
     print("| --- " * 8 + "|")
-    for graph in arguments.graph or [str(ROOT / "graphs" / "path_tracer.py"), str(ROOT / "graphs" / "restir_pg.py")]:
+    for graph in graphs:
         for size in arguments.size or [(320, 180), (640, 360)]:
             print(row(graph, size, scene, arguments.seconds), flush=True)
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -26,7 +26,7 @@ def browser(scene, graph_file):
     """A browser that shows two graphs."""
     if not shutil.which("chromedriver"):
         pytest.skip("chromedriver is not installed: no browser has opened the viewer")
-    with restirpg.view([graph_file, GRAPH], scene, SIZE) as viewer, Browser() as browser:
+    with restirpg.view([graph_file, GRAPH], scene, SIZE, captures=graph_file.parent / "films") as viewer, Browser() as browser:
         browser.open(viewer.url)
         browser.wait("window.page && page.frames > 1 && page.state")
         yield browser
@@ -77,6 +77,27 @@ def test_a_click_inspects_a_pixel(browser):
     browser.point(".pane canvas", ("move", -100, 10), ("down",), ("up",))
     browser.wait("document.querySelector('.values h2')")
     assert "depth" in browser.run("return document.querySelector('.values').textContent")
+
+
+def test_a_reference_is_traced_and_errors_are_plotted(browser):
+    browser.run("const chosen = document.querySelector('#reference'); chosen.value = 'traced'; chosen.dispatchEvent(new Event('change'))")
+    browser.wait("page.panel.errors.every(line => line.length > 1) && !page.panel.chart.hidden")
+    assert "reference of" in browser.run("return document.querySelector('#status').textContent")
+    browser.run("page.send('reference', { source: 'none' })")
+    browser.wait("page.state.reference === 'none' && page.panel.chart.hidden")
+
+
+def test_a_film_is_recorded(browser, graph_file):
+    browser.run("document.querySelector('#length').value = 2; document.querySelector('#film').click()")
+    browser.wait("document.querySelector('#messages').textContent.includes('the film is in')")
+    assert len(list(graph_file.parent.glob("films/film_*/*/0000[12].png"))) == 4
+
+
+def test_the_camera_is_copied_as_a_command_line(browser):
+    browser.run("page.copied = []; page.copy = text => page.copied.push(text)")
+    browser.run("const copy = document.querySelector('#copy'); for (const kind of ['call', 'json', 'command']) { copy.value = kind; copy.dispatchEvent(new Event('change')); }")
+    call, data, command = browser.run("return page.copied")
+    assert call.startswith("renderer.move_camera(position=[") and json.loads(data)["up"] and "--pose=" in command and "own.py" in command
 
 
 def test_an_edited_graph_is_shown_and_a_broken_one_is_told(browser, graph_file):

@@ -17,6 +17,8 @@ pytestmark = pytest.mark.compile_bound
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: the viewer's server is not tested")
 Image = pytest.importorskip("PIL.Image", reason="Pillow is not installed: the viewer's server is not tested")
 
+import viewer_monkey  # noqa: E402
+
 SIZE = (16, 16)
 SECONDS = 60  # until a test gives up
 
@@ -186,21 +188,13 @@ def test_an_exception_in_rendering_is_shown_and_the_viewer_lives(viewer, monkeyp
 
 
 def test_random_input_leaves_the_viewer_alive(viewer):
-    """A seeded monkey: messages that are right, wrong and absurd."""
+    """The monkey of benchmarks/viewer_monkey.py: messages that are right, wrong and absurd."""
     dice = random.Random(5)
-    values = [0, 1, -1, 0.5, 1e30, "x", None, True, [], {}, -7, "paths.bounces", "gbuffer.depth", "image"]
-    keys = {"orbit": "xy", "look": "xy", "pan": "xy", "fly": "xyz", "dolly": ["amount"], "zoom": ["factor"], "focus": "xy",
-            "pose": ["position", "target", "up", "yfov"], "home": "", "play": ["on"], "step": "", "restart": "", "keep": ["on"],
-            "exposure": ["stops"], "view": ["name"], "set": ["pane", "knob", "value"], "reset": ["pane"], "seed": ["value"],
-            "time": ["seconds"], "speed": ["factor"], "inspect": "xy", "visible": ["on"], "shown": "", "nothing": "a"}
 
     async def body(tab):
         for _ in range(400):
-            name = dice.choice(list(keys))
-            await tab.send(do=name, id=1, **{key: dice.choice(values) for key in keys[name] if dice.random() < 0.95})
-        for message in ({"do": "visible", "on": True}, {"do": "shown"}, {"do": "home"}, {"do": "keep", "on": False}, {"do": "reset", "pane": 0},
-                        {"do": "exposure", "stops": 0}, {"do": "speed", "factor": 0}, {"do": "time", "seconds": 0}, {"do": "play", "on": True},
-                        {"do": "seed", "value": 0, "id": 12345}):
+            await tab.send(**viewer_monkey.message(dice))
+        for message in viewer_monkey.TAME:
             await tab.send(**message)
         header, data = await tab.until(lambda kind, content: kind == "frame" and 12345 in content["seen"].values())
         assert Image.open(io.BytesIO(data)).size == SIZE
@@ -208,5 +202,5 @@ def test_random_input_leaves_the_viewer_alive(viewer):
     threads = threading.active_count()
     with_tab(viewer, body)
     assert threading.active_count() <= threads + 1
-    assert viewer.rendering.is_alive() and viewer.rendering._commands.qsize() < 10
+    assert viewer.rendering.is_alive() and viewer.rendering.waiting() < 10
     assert logging.getLogger("aiohttp.server").getEffectiveLevel() <= logging.ERROR

@@ -1,13 +1,18 @@
 """The viewer's session without a network: what its commands do to the pictures, and what they refuse."""
 
+import json
+import shlex
 import shutil
+import subprocess
 
 import numpy as np
 import pytest
+from PIL import Image
 from renderer_scenes import GRAPH, make_renderer, restirpg, scene, scene_file  # noqa: F401
 
 from restirpg.harness import UserError
-from restirpg.viewer import capture, pictures
+from restirpg.harness.render import native_file
+from restirpg.viewer import camera, capture, pictures
 from restirpg.viewer.session import Session
 from restirpg.viewer.watch import Watch
 
@@ -36,7 +41,7 @@ def session(shared):
     for pane in range(2):
         shared.apply({"do": "reset", "pane": pane})
         shared.apply({"do": "show", "pane": pane, "port": None})
-    for message in ({"do": "home"}, {"do": "keep", "on": False}, {"do": "play", "on": True}, {"do": "view", "name": "image"},
+    for message in ({"do": "reference", "source": "file"}, {"do": "home"}, {"do": "keep", "on": False}, {"do": "play", "on": True}, {"do": "view", "name": "image"},
                     {"do": "exposure", "stops": 0}, {"do": "seed", "value": 0}):
         shared.apply(message)
     shared.render()
@@ -157,13 +162,77 @@ def test_a_pixel_tells_what_it_sees(session):
     ({"do": "set", "pane": 2, "knob": "a.b", "value": 1}, "no graph 2"), ({"do": "view", "name": "../x"}, "no view"),
     ({"do": "set", "pane": 0, "knob": "paths.bounces", "value": "many"}, "bounces"),
     ({"do": "pose", "position": [0, 0, 0], "target": [0, 1, 0], "up": [0, 1, 0], "yfov": 1}, "span no view"),
-    ({"do": "__init__"}, "no command"), ({}, "no command None")])
+    ({"do": "camera", "number": 1}, "the scene has 1"), ({"do": "reference", "source": "../x"}, "no reference"),
+    ({"do": "film", "frames": 3, "kind": "png"}, "--captures"), ({"do": "__init__"}, "no command"), ({}, "no command None")])
 def test_what_cannot_be_done_is_refused_and_changes_nothing(session, message, words):
     before, revision = session.camera, session.revision
     with pytest.raises((UserError, restirpg.Error), match=words):
         session.apply(message)
     assert session.camera == before and session.revision == revision
     session.render()
+
+
+def test_a_reference_is_traced_while_the_view_rests(session):
+    session.apply({"do": "reference", "source": "traced"})
+    session.apply({"do": "orbit", "x": 0.1, "y": 0.0})
+    assert session.errors() == [None, None] and not session.trace_reference()  # the move is not rendered yet
+    session.render()
+    for _ in range(3):
+        assert session.trace_reference()
+    truth = session.truth()
+    np.testing.assert_allclose(session.errors(), [restirpg.measure_errors(picture, truth)["mape"] for picture in images(session)])
+    assert session.frame().header["reference_frames"] == 3 and truth.tobytes() != images(session)[0].tobytes()
+    session.apply({"do": "set", "pane": 0, "knob": "paths.bounces", "value": 1})  # the reference's bounce cap follows
+    assert session.errors() == [None, None]
+    session.render()
+    session.trace_reference()
+    assert session.frame().header["reference_frames"] == 1 and session.truth().mean() < truth.mean()
+    session.apply({"do": "view", "name": "error"})
+    assert session._shown()[0].any()
+    session.apply({"do": "reference", "source": "none"})
+    assert session.view == "image" and session.errors() == [None, None] and not session.trace_reference()
+
+
+def test_cameras_of_the_scene_and_what_is_copied_of_one(session):
+    session.apply({"do": "orbit", "x": 0.1, "y": 0.2})
+    state, moved = session.state(), session.camera
+    assert state["cameras"] == ["Camera"]
+    for pose in (json.loads(state["json"]), camera.from_option(camera.as_option(moved).partition("=")[2])):
+        assert camera.same(pose, moved)
+    session.apply({"do": "camera", "number": 0})
+    assert camera.same(session.camera, session.home) and not camera.same(session.camera, moved)
+
+
+def test_the_command_line_that_is_copied_renders_the_picture(session, tmp_path):
+    session.apply({"do": "orbit", "x": 0.1, "y": 0.2})
+    session.apply({"do": "pose", **json.loads(session.state()["json"])})  # as many digits as the command line has
+    session.apply({"do": "set", "pane": 1, "knob": "paths.bounces", "value": 1})
+    session.render()
+    session.render()
+    _, *arguments = shlex.split(session.state()["panes"][1]["command"])
+    arguments[-1] = tmp_path / "out.exr"
+    subprocess.run([native_file().parents[2] / "bin" / "restirpg", *arguments], check=True)
+    assert restirpg.read_exr(tmp_path / "out.exr").tobytes() == images(session)[1].tobytes()
+    pose = restirpg.read_exr_attributes(tmp_path / "out.exr")["restirpg.pose"]
+    assert camera.same(camera.from_option(pose), session.camera)
+
+
+def test_a_film_is_numbered_pictures_of_every_graph(session, tmp_path, monkeypatch):
+    monkeypatch.setattr(session, "captures", tmp_path)
+    for kind, frames in (("png", 3), ("exr", 2)):
+        session.apply({"do": "film", "frames": frames, "kind": kind})
+        folder = session.film.folder
+        while session.film:
+            assert session.wants_frame() and session.film.told()["count"] == frames
+            session.render()
+        folders = sorted(folder.iterdir())
+        assert folder.parent == tmp_path and [made.name[:2] for made in folders] == ["1_", "2_"]
+        for made in folders:
+            assert sorted(file.name for file in made.iterdir()) == [f"{i + 1:05}.{kind}" for i in range(frames)]
+    assert restirpg.read_exr_attributes(folders[0] / "00002.exr")["restirpg.seed"] == "0"
+    np.testing.assert_array_equal(restirpg.read_exr(folders[1] / "00002.exr"), images(session)[1])
+    with Image.open(next(tmp_path.glob("film*/1_*/00003.png"))) as picture:
+        assert picture.size == SIZE and json.loads(picture.text["restirpg.graph"])["passes"] and picture.text["restirpg.seed"] == "0"
 
 
 def test_captures(session, tmp_path):

@@ -104,10 +104,41 @@ def same(one, other):
     return bool(np.allclose(numbers(one), numbers(other), rtol=1e-5, atol=1e-5))
 
 
+def project(pose, aspect, points):
+    """Where world points (n, 3) are in the picture: [[u, v]], fractions from its top left, None behind the camera.
+    aspect: of the picture, width / height."""
+    right, up, forward = axes(pose)
+    x, y, depth = np.stack([right, up, forward]) @ (np.asarray(points, float) - pose["position"]).T
+    extent = math.tan(pose["yfov"] / 2)
+    return [[float(0.5 + a / (2 * d * extent * aspect)), float(0.5 - b / (2 * d * extent))] if d > 1e-6 else None
+            for a, b, d in zip(x, y, depth)]
+
+
+def _rounded(pose):
+    """The pose as numbers that can be read: six digits."""
+    rounded = {name: [float(f"{x:.6g}") for x in pose[name]] for name in ("position", "target", "up")}
+    return {**rounded, "yfov": float(f"{pose['yfov']:.6g}")}
+
+
 def as_python(pose):
     """The call that puts a Renderer's camera there."""
-    def text(value):
-        return json.dumps([float(f"{x:.6g}") for x in value])
+    return f"renderer.move_camera({', '.join(f'{name}={value}' for name, value in _rounded(pose).items())})"
 
-    return (f"renderer.move_camera(position={text(pose['position'])}, target={text(pose['target'])}, "
-            f"up={text(pose['up'])}, yfov={pose['yfov']:.6g})")
+
+def as_json(pose):
+    """What Renderer.camera gives."""
+    return json.dumps(_rounded(pose))
+
+
+def as_option(pose):
+    """The option of `restirpg render` and `restirpg view`."""
+    numbers = np.concatenate([np.atleast_1d(value) for value in _rounded(pose).values()])
+    return "--pose=" + ",".join(f"{x:.6g}" for x in numbers)
+
+
+def from_option(text):
+    """The pose of as_option's text; raises ValueError."""
+    numbers = [float(part) for part in text.split(",")]
+    if len(numbers) != 10 or not np.isfinite(numbers).all():
+        raise ValueError(text)
+    return {"position": numbers[:3], "target": numbers[3:6], "up": numbers[6:9], "yfov": numbers[9]}

@@ -5,13 +5,18 @@ import re
 import tempfile
 from pathlib import Path
 
+import restirpg
 from restirpg.harness import UserError
 
-from . import graphs, pictures
+from . import camera, graphs, pictures
 
 
-def _png(session, pane):
-    return pictures.png(session.pixels(pane))
+def png(session, pane):
+    """The picture as shown, with its provenance as texts."""
+    texts = {"graph": _graph(session, pane).decode(), "scene": str(session.scene.file), "sceneHash": session.scene.hash,
+             "camera": camera.as_json(session.camera), "time": f"{session.time:.6g}", "seed": str(session.seed),
+             "frames": str(pane.frames), "exposure": f"{session.exposure:.6g}", "port": pane.port or "", "commit": restirpg.COMMIT}
+    return pictures.png(session.pixels(pane), {f"restirpg.{name}": text for name, text in texts.items()})
 
 
 def _exr(_, pane):
@@ -25,7 +30,7 @@ def _graph(_, pane):
     return json.dumps(graphs.with_knobs(pane.description, pane.changed), indent=1).encode()
 
 
-_KINDS = {"picture.png": (_png, "image/png"), "outputs.exr": (_exr, "image/x-exr"), "graph.json": (_graph, "application/json")}
+_KINDS = {"picture.png": (png, "image/png"), "outputs.exr": (_exr, "image/x-exr"), "graph.json": (_graph, "application/json")}
 
 
 def make(session, name, number):
@@ -37,5 +42,9 @@ def make(session, name, number):
     session.settle()
     function, content_type = _KINDS[name]
     pane = session.panes[int(number)]
-    stem = re.sub(r"[^A-Za-z0-9]+", "_", pane.name).strip("_").lower() or "graph"
-    return function(session, pane), content_type, f"{stem}_{pane.frames}{Path(name).suffix}"
+    return function(session, pane), content_type, f"{stem_of(pane)}_{pane.frames}{Path(name).suffix}"
+
+
+def stem_of(pane):
+    """The graph's name as the beginning of a file's."""
+    return re.sub(r"[^A-Za-z0-9]+", "_", pane.name).strip("_").lower() or "graph"

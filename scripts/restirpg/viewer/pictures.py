@@ -4,6 +4,7 @@ import io
 
 import numpy as np
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 _STEPS = 4096  # of the transfer function's table over [0, 1]
 
@@ -70,9 +71,12 @@ def jpeg(pixels, quality=90):
     return _encoded(pixels, "JPEG", quality=quality, subsampling=0)
 
 
-def png(pixels):
-    """8-bit (H, W, 3) as the bytes of a PNG."""
-    return _encoded(pixels, "PNG")
+def png(pixels, texts=None):
+    """8-bit (H, W, 3) as the bytes of a PNG that carries texts, {keyword: text}."""
+    info = PngInfo()
+    for keyword, text in (texts or {}).items():
+        info.add_itxt(keyword, text)
+    return _encoded(pixels, "PNG", pnginfo=info)
 
 
 def _encoded(pixels, kind, **options):

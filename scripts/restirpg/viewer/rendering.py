@@ -38,6 +38,10 @@ class RenderThread(threading.Thread):
         self._commands.put((future, function, arguments))
         return future
 
+    def waiting(self):
+        """How many commands wait for the frame at hand."""
+        return self._commands.qsize()
+
     def set_audience(self, watched, wanted):
         """See the class. Any thread may call it."""
         woken = (watched and not self.watched) or (wanted and not self.wanted)
@@ -88,6 +92,8 @@ class RenderThread(threading.Thread):
         rendered = self.watched and session.wants_frame()
         if rendered:
             session.render()
+        if self.watched:
+            rendered = session.trace_reference() or rendered
         if self._revision != session.revision:
             self._revision = session.revision
             self._publish(state=session.state())

@@ -6,6 +6,7 @@ is to be shown of it.
 
 import inspect
 import math
+import shlex
 import time
 from dataclasses import dataclass, field
 
@@ -13,9 +14,11 @@ import numpy as np
 import restirpg
 from restirpg.harness import UserError
 
-from . import camera, graphs, guide, pictures
+from . import camera, graphs, guide, pictures, reservoirs
+from .film import Film
 from .pane import Pane
 from .probe import Probe
+from .reference import SOURCES, Reference
 
 VIEWS = ("image", "difference", "error")
 MOST_FRAMES = 1 << 16  # of a picture that rests: rendering stops there
@@ -38,9 +41,12 @@ def _number(value, low=-1e6, high=1e6):
 class Session:
     """One scene, one camera, and up to a few graphs that render it in step."""
 
-    def __init__(self, scene, sources, size, reference=None, **options):
-        """sources: graph files, restirpg.Graph or descriptions. reference: an image (H, W, 3) of the scene's own camera."""
-        self.scene, self.size, self.reference = scene, tuple(size), reference
+    def __init__(self, scene, sources, size, reference=None, captures=None, **options):
+        """sources: graph files, restirpg.Graph or descriptions. reference: an image (H, W, 3) of the scene's own camera.
+        captures: the folder where films are put."""
+        self.scene, self.size, self.captures = scene, tuple(size), captures
+        self.reference = Reference(scene, self.size, options, reference)
+        self.film = None
         self._options = options
         self.panes = [Pane(scene, source, self.size, options) for source in sources]
         self.home = self.camera = self.panes[0].renderer.camera
@@ -53,8 +59,8 @@ class Session:
         self._steps, self._moved, self._rendered = 0, False, False
         self._probe = None
         self._commands = {name: getattr(self, f"do_{name}") for name in (
-            "orbit", "look", "pan", "dolly", "fly", "zoom", "focus", "pose", "home", "play", "step", "restart", "keep",
-            "exposure", "view", "set", "reset", "show", "seed", "time", "speed", "reload")}
+            "orbit", "look", "pan", "dolly", "fly", "zoom", "focus", "pose", "home", "camera", "play", "step", "restart", "keep",
+            "exposure", "view", "set", "reset", "show", "seed", "time", "speed", "reload", "reference", "film")}
 
     def apply(self, message, client=None):
         """Do what the page asks for. Raises UserError or restirpg.Error; all is as before then."""
@@ -123,6 +129,13 @@ class Session:
         """The scene's own camera."""
         self._move(self.home)
 
+    def do_camera(self, number):
+        """One of the scene's cameras, where it stands now."""
+        cameras = self.panes[0].renderer.scene_cameras()
+        if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < len(cameras):
+            raise UserError(f"there is no camera {number!r}; the scene has {len(cameras)}, counted from 0")
+        self._move({name: cameras[number][name] for name in ("position", "target", "up", "yfov")})
+
     def do_play(self, on):
         """Render on, or pause."""
         self.playing, self._steps = bool(on), 0
@@ -154,8 +167,8 @@ class Session:
             raise UserError(f"there is no view {name!r}")
         if name == "difference" and len(self.panes) < 2:
             raise UserError("a difference takes two graphs; give two on the command line")
-        if name == "error" and self.reference is None:
-            raise UserError("errors take a reference; give one with --reference")
+        if name == "error" and self.reference.source == "none":
+            raise UserError("errors take a reference; have one traced, or give one with --reference")
         self.view, self.stale = name, True
 
     def _pane(self, pane):
@@ -205,6 +218,19 @@ class Session:
         """Seconds of the scene's animation a thirtieth of a frame: 0 stands still."""
         self.speed = float(_number(factor, -100, 100))
 
+    def do_reference(self, source):
+        """What errors are measured against: "none", the "file" that was given, or "traced" beside the graphs."""
+        if source not in SOURCES or (source == "file" and self.reference.image is None):
+            raise UserError(f"there is no reference {source!r}; a file is given with --reference")
+        self.reference.use(source)
+        self.view = "image" if source == "none" and self.view == "error" else self.view
+        self.stale = True
+
+    def do_film(self, frames, kind):
+        """Write pictures of the next frames into a folder; 0 frames: end the film at hand."""
+        self.film = Film(self.captures, self, frames, kind) if frames != 0 else None
+        self.playing = self.playing or self.film is not None
+
     def do_reload(self):
         """Read graph files and shaders anew. Each graph that is refused stays as it was."""
         refusals = []
@@ -220,7 +246,7 @@ class Session:
 
     def wants_frame(self):
         """Whether there is something to render."""
-        if self._moved or self._steps > 0 or not self._rendered:
+        if self._moved or self._steps > 0 or not self._rendered or self.film:
             return True
         return self.playing and (self.speed != 0 or min(pane.frames for pane in self.panes) < MOST_FRAMES)
 
@@ -246,11 +272,29 @@ class Session:
         try:
             for pane in self.panes:
                 pane.render(self.keep)
+            if self.film:
+                self._write_film()
         except Exception:
-            self.playing, self._steps, self._rendered = False, 0, True  # not again and again
+            self.playing, self._steps, self._rendered, self.film = False, 0, True, None  # not again and again
             self.revision += 1
             raise
         self._rendered = self.stale = True
+
+    def _write_film(self):
+        self.film.add()
+        self.film = None if self.film.ended else self.film
+        self.revision += 1
+
+    def _view(self):
+        """What the reference is of: it follows the bounce cap of the first graph."""
+        knobs = (entry["bounces"] for entry in self.panes[0].renderer.knobs().values() if "bounces" in entry)
+        return self.camera, self.time, next(knobs, None)
+
+    def trace_reference(self):
+        """One more frame of the traced reference while the view rests. Returns whether there was one to render."""
+        traced = not self._moved and self.reference.trace(*self._view())
+        self.stale = self.stale or traced
+        return traced
 
     def settle(self):
         """Render a frame where a cut has left no picture."""
@@ -259,18 +303,22 @@ class Session:
 
     def errors(self):
         """MAPE of each picture against the reference; None where there is none, or it shows another view."""
-        if self.reference is None or self.time or not camera.same(self.camera, self.home):
+        truth = self.truth()
+        if truth is None:
             return [None] * len(self.panes)
-        return [restirpg.measure_errors(pane.picture(), self.reference)["mape"] for pane in self.panes]
+        return [restirpg.measure_errors(pane.picture(), truth)["mape"] for pane in self.panes]
+
+    def truth(self):
+        """The reference of this view, or None."""
+        return self.reference.of(*self._view(), not self.time and camera.same(self.camera, self.home))
 
     def _shown(self):
         """8-bit pictures, left to right."""
         if self.view == "difference":
             first, second = (pane.picture() for pane in self.panes[:2])
             return [pictures.heat(pictures.relative_difference(second, first), 2.0**-self.exposure)]
-        if self.view == "error" and self.errors()[0] is not None:
-            return [pictures.heat(pictures.relative_difference(pane.picture(), self.reference), 2.0**-self.exposure)
-                    for pane in self.panes]
+        if self.view == "error" and (truth := self.truth()) is not None:
+            return [pictures.heat(pictures.relative_difference(pane.picture(), truth), 2.0**-self.exposure) for pane in self.panes]
         return [self.pixels(pane) for pane in self.panes]
 
     def pixels(self, pane):
@@ -289,6 +337,7 @@ class Session:
                   "memory": sum(pane.renderer.memory().values()), "mape": error}
                  for pane, error in zip(self.panes, self.errors())]
         header = {"panes": panes, "seen": dict(self.seen), "time": self.time, "sizes": [len(image) for image in images],
+                  "reference_frames": self.reference.frames, "film": self.film and self.film.told(),
                   "view_milliseconds": 1000 * (time.perf_counter() - start)}
         return Frame(header, images)
 
@@ -296,12 +345,22 @@ class Session:
         """All that the page's controls show."""
         panes = [{"name": pane.name, "file": str(pane.file) if pane.file else "", "passes": pane.panel(),
                   "ports": sorted(pane.ports), "port": pane.port,
-                  "guided": graphs.is_guided(pane.description), "arguments": graphs.as_arguments(pane.changed)}
+                  "guided": graphs.is_guided(pane.description), "arguments": graphs.as_arguments(pane.changed),
+                  "command": self._command(pane)}
                  for pane in self.panes]
         return {"panes": panes, "size": self.size, "scene": str(self.scene.file), "duration": self.scene.duration,
-                "camera": self.camera, "call": camera.as_python(self.camera), "playing": self.playing, "keep": self.keep,
+                "camera": self.camera, "call": camera.as_python(self.camera), "json": camera.as_json(self.camera),
+                "cameras": [entry["name"] for entry in self.panes[0].renderer.scene_cameras()],
+                "playing": self.playing, "keep": self.keep,
                 "exposure": self.exposure, "view": self.view, "seed": self.seed, "time": self.time, "speed": self.speed,
-                "reference": self.reference is not None}
+                "reference": self.reference.source, "has_file": self.reference.image is not None, "films": self.captures is not None}
+
+    def _command(self, pane):
+        """The command line that renders what a graph shows here."""
+        words = ["restirpg", "render", str(pane.file or "GRAPH"), "--scene", str(self.scene.file), "--size", "x".join(map(str, self.size)),
+                 "--frames", str(max(1, pane.frames)), "--seed", str(self.seed), *graphs.as_arguments(pane.changed).split(),
+                 camera.as_option(self.camera), *(["--time", f"{self.time:.6g}"] if self.time else []), "-o", "out.exr"]
+        return shlex.join(words)
 
     def geometry(self, x, y):
         """Depth, normal, material and albedo of what a pixel shows."""
@@ -320,7 +379,9 @@ class Session:
         """What is known of a pixel: its geometry, and values of each graph."""
         x, y = self._pixel(x, y)
         self.settle()
-        return {"x": x, "y": y, "geometry": self.geometry(x, y), "panes": [pane.pixel(x, y) for pane in self.panes]}
+        return {"x": x, "y": y, "geometry": self.geometry(x, y), "panes": [pane.pixel(x, y) for pane in self.panes],
+                "reservoirs": [reservoirs.at_pixel(pane, x, y) for pane in self.panes],
+                "paths": [reservoirs.path_at_pixel(pane, x, y, self.camera) for pane in self.panes]}
 
     def guide(self, pane, x, y, product=False):
         """What guides the paths at a pixel of a graph, see guide.py."""

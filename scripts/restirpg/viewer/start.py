@@ -13,6 +13,7 @@ import restirpg
 from restirpg import commands
 from restirpg.harness import UserError, program, render
 
+from . import camera
 from .rendering import RenderThread
 from .server import Server
 from .session import Session
@@ -71,11 +72,12 @@ class Viewer:
         return f'<iframe src="{html.escape(self.url)}" width="100%" height="760" style="border: 0"></iframe>'
 
 
-def view(graphs, scene, size=(640, 360), reference=None, port=0, **options):
+def view(graphs, scene, size=(640, 360), reference=None, port=0, captures="out/captures", pose=None, **options):
     """Look at a scene through one graph or several, live, in a browser on this machine. Returns a Viewer.
 
     graphs: a graph file, a restirpg.Graph or a description, or a list of up to 4. scene: a file or what load_scene returns.
-    reference: an EXR file of the scene's own camera, to measure errors against. options: of restirpg.Renderer.
+    reference: an EXR file of the scene's own camera, to measure errors against. captures: the folder where films are put.
+    pose: where the camera stands at first, as Renderer.camera has it. options: of restirpg.Renderer.
     """
     sources = list(graphs) if isinstance(graphs, (list, tuple)) else [graphs]
     if not 1 <= len(sources) <= MOST_GRAPHS:
@@ -87,7 +89,9 @@ def view(graphs, scene, size=(640, 360), reference=None, port=0, **options):
         image = render.read_exr(reference)
         if image.shape[:2] != (size[1], size[0]):
             raise UserError(f"{reference}: {image.shape[1]}x{image.shape[0]} pixels; the viewer shows {size[0]}x{size[1]}")
-    session = Session(scene, sources, size, image, **options)
+    session = Session(scene, sources, size, image, captures, **options)
+    if pose is not None:
+        session.apply({"do": "pose", **pose})
     return Viewer(session, port, Watch([pane.file for pane in session.panes if pane.file]))
 
 
@@ -95,6 +99,14 @@ def _port(text):
     if not (text.isdecimal() and int(text) < 65536):
         raise argparse.ArgumentTypeError(f"'{text}' is no port: a number from 0 (any that is free) to 65535")
     return int(text)
+
+
+def _pose(text):
+    try:
+        return camera.from_option(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is no pose: position, target and up (x,y,z each) and the vertical field of "
+                                         "view in radians, ten numbers with commas") from None
 
 
 def _name():
@@ -112,6 +124,8 @@ def _parse(arguments):
     parser.add_argument("--size", type=program.size, default=(640, 360), help="WIDTHxHEIGHT (640x360)")
     parser.add_argument("--reference", help="EXR file of the scene's own camera, to measure errors against")
     parser.add_argument("--port", type=_port, default=0, help="0: any that is free")
+    parser.add_argument("--captures", default="out/captures", metavar="FOLDER", help="where films are put (%(default)s)")
+    parser.add_argument("--pose", type=_pose, help="where the camera stands at first, as the page copies it")
     parser.add_argument("--device", help="number or part of the name, as `restirpg devices` lists them")
     program.add_allow_outside(parser)
     return commands.parsed(parser, arguments)
@@ -125,7 +139,8 @@ def main(arguments):
         render.find_package()
         with render.refusals():
             scene = restirpg.load_scene(options.scene, allow_outside=options.allow_outside)
-            viewer = view(options.graphs, scene, options.size, options.reference, options.port, device=options.device)
+            viewer = view(options.graphs, scene, options.size, options.reference, options.port, options.captures, options.pose,
+                          device=options.device)
         with viewer:
             print(viewer.url, flush=True)
             print("Open this address in a browser. Ctrl-C ends the viewer.", file=sys.stderr, flush=True)

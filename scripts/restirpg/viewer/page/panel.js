@@ -144,6 +144,8 @@ export class Panel {
         this.pixel.replaceChildren(element("h2", { textContent: `pixel ${pixel.x}, ${pixel.y}` }), element("table", {}, ...rows(pixel.geometry)),
             ...pixel.panes.flatMap((values, i) => [
                 element("div", { textContent: this.page.state.panes[i].name, style: `color: ${COLOURS[i]}` }), element("table", {}, ...rows(values)),
+                ...Object.entries(pixel.reservoirs[i]).map(([port, lines]) => element("div", { className: "reservoir" }, element("b", { textContent: port }),
+                    ...lines.map(([what, meaning]) => element("div", {}, `${what} `, element("em", { textContent: meaning }))))),
                 ...this.page.state.panes[i].guided ? [element("div", { className: "actions" }, element("button", { textContent: "guide here", onclick: ask(i, false) }),
                     element("button", { textContent: "with the true product", title: "path traced from the point: some seconds", onclick: ask(i, true) }))] : []]),
             this.guide);

@@ -77,8 +77,10 @@ class Stage {
             s[side] = Math.min(1 - 1 / s.zoom, Math.max(0, s[side]));
         const context = canvas.getContext("2d"), splits = right !== undefined;
         this.blit(context, left, 0, splits ? s.split : 1);
+        this.drawPath(context, left, 0, splits ? s.split : 1);
         if (splits) {
             this.blit(context, right, s.split, 1);
+            this.drawPath(context, right, s.split, 1);
             context.fillStyle = "#fff";
             context.fillRect(s.split * across - 1, 0, 2, down);
         }
@@ -95,6 +97,62 @@ class Stage {
         context.imageSmoothingEnabled = width < image.width / zoom;
         context.drawImage(image, (x + from / zoom) * image.width, y * image.height, (to - from) / zoom * image.width,
                           image.height / zoom, from * width, 0, (to - from) * width, height);
+    }
+
+    // The paths that a pixel of each graph has selected, as long as the camera stays.
+    showPaths(pixel, camera) {
+        const [width, height] = this.page.state.size;
+        Object.assign(this, { paths: pixel.paths, pathCamera: camera, pathPixel: [(pixel.x + 0.5) / width, (pixel.y + 0.5) / height] });
+        this.draw();
+    }
+
+    forgetPaths(camera) {
+        if (this.paths && camera !== this.pathCamera)
+            this.paths = undefined;
+    }
+
+    // The pixel, the path's vertices with their numbers, its edges (broken where a sharp bounce between them is not stored) and
+    // the direction towards its light. Between two fractions of the canvas's width.
+    drawPath(context, index, from, to) {
+        if (!this.paths || this.page.state.view === "difference")
+            return;
+        const { zoom, x, y } = this.look, { width, height } = context.canvas, path = this.paths[index];
+        const at = ([u, v]) => [(u - x) * zoom * width, (v - y) * zoom * height];
+        const line = (from, to, colour, dash) => {
+            context.strokeStyle = colour;
+            context.setLineDash(dash);
+            context.beginPath();
+            context.moveTo(...at(from));
+            context.lineTo(...at(to));
+            context.stroke();
+        };
+        context.save();
+        context.beginPath();
+        context.rect(from * width, 0, (to - from) * width, height);
+        context.clip();
+        context.lineWidth = 2;
+        context.font = "12px sans-serif";
+        context.setLineDash([]);
+        context.strokeStyle = "#fff";
+        context.strokeRect(...at(this.pathPixel).map(value => value - 4), 8, 8);
+        path?.points.forEach((point, i) => {
+            const last = i > 0 ? path.points[i - 1] : path.bounces[0] > 1 ? this.pathPixel : null;
+            if (point && last)
+                line(last, point, "#0ff", path.bounces[i] - (i > 0 ? path.bounces[i - 1] : 1) > 1 || i === 0 ? [5, 5] : []);
+        });
+        if (path?.light && path.points.at(-1))
+            line(path.points.at(-1), path.light, "#ff0", [2, 3]);
+        context.setLineDash([]);
+        path?.points.forEach((point, i) => {
+            if (!point)
+                return;
+            context.fillStyle = "#0ff";
+            context.beginPath();
+            context.arc(...at(point), 4, 0, 2 * Math.PI);
+            context.fill();
+            context.fillText(`x${path.bounces[i]}`, at(point)[0] + 6, at(point)[1] - 6);
+        });
+        context.restore();
     }
 
     splits() { return this.look.mode === "split" && this.images.length > 1 && this.look.a !== this.look.b; }
@@ -136,8 +194,10 @@ class Page {
             this.report(message.error);
         if (message.note)
             this.report(message.note, "note");
-        if (message.pixel)
+        if (message.pixel) {
             this.panel.showPixel(message.pixel);
+            this.stage.showPaths(message.pixel, JSON.stringify(this.state.camera));
+        }
         if (message.guide)
             this.panel.showGuide(message.guide);
         if (message.state) {
@@ -158,7 +218,16 @@ class Page {
         this.frames += 1;
         this.measure(header);
         this.panel.showFrame(header);
+        this.showFilm(header.film);
         this.send("shown");
+    }
+
+    // The film at hand, if there is one; where it is once it has ended.
+    showFilm(film) {
+        if (this.filming && !film)
+            this.report(`the film is in ${this.filming.folder}`, "note");
+        this.filming = film;
+        $("film").textContent = film ? `stop (${film.done} of ${film.count})` : "record";
     }
 
     measure(header) {
@@ -178,7 +247,8 @@ class Page {
         this.latency = middle;
         this.rate = rate;
         $("status").textContent = `${rate.toFixed(1)} frames/s` + (middle ? `, input to picture ${middle.toFixed(0)} ms` : "") +
-            `, viewer ${header.view_milliseconds.toFixed(1)} ms a frame`;
+            `, viewer ${header.view_milliseconds.toFixed(1)} ms a frame` +
+            (header.reference_frames ? `, reference of ${header.reference_frames} frames` : "");
     }
 
     report(text, kind = "") {
@@ -199,7 +269,14 @@ class Page {
         $("fov").onchange = event => this.send("pose", { ...this.state.camera, yfov: Number(event.target.value) * Math.PI / 180 });
         $("time").oninput = event => this.send("time", { seconds: Number(event.target.value) });
         $("speed").onchange = event => this.send("speed", { factor: Number(event.target.value) });
-        $("copy").onclick = () => this.copy(this.state.call);
+        $("camera").onchange = event => this.send("camera", { number: Number(event.target.value) });
+        $("copy").onchange = event => {
+            const kind = event.target.value, s = this.state;
+            event.target.value = "";
+            this.copy(kind === "command" ? s.panes[Math.min(this.stage.look.a, s.panes.length - 1)].command : s[kind]);
+        };
+        $("reference").onchange = event => this.send("reference", { source: event.target.value });
+        $("film").onclick = () => this.send("film", { frames: this.filming ? 0 : Number($("length").value), kind: $("kind").value });
         for (const side of ["a", "b"])
             $(side).onchange = event => this.stage.set({ [side]: Number(event.target.value) });
         for (const button of document.querySelectorAll("[data-mode]"))
@@ -227,7 +304,14 @@ class Page {
         for (const button of document.querySelectorAll("[data-mode]"))
             button.parentElement.hidden = !several;
         $("view").options[1].disabled = !several;
-        $("view").options[2].disabled = !s.reference;
+        $("view").options[2].disabled = s.reference === "none";
+        $("reference").value = s.reference;
+        $("reference").options[1].disabled = !s.has_file;
+        $("camera").hidden = s.cameras.length < 2;
+        if ($("camera").childElementCount !== s.cameras.length + 1)
+            $("camera").replaceChildren(new Option("camera ...", ""), ...s.cameras.map((name, i) => new Option(name || `camera ${i}`, i)));
+        $("camera").value = "";
+        $("filming").hidden = !s.films;
         const fill = (id, value) => { if (document.activeElement !== $(id)) $(id).value = value; };
         $("view").value = s.view;
         fill("exposure", s.exposure);
@@ -239,6 +323,7 @@ class Page {
         $("time").max = s.duration;
         fill("time", s.time);
         fill("speed", s.speed);
+        this.stage.forgetPaths(JSON.stringify(s.camera));
         this.stage.set({});
         this.panel.showState(s);
     }

@@ -1,0 +1,57 @@
+"""What the errors of the graphs in view are measured against: an image of the scene's own camera, or the mean of a path
+tracer that is rendered beside the graphs while the camera rests."""
+
+from pathlib import Path
+
+import restirpg
+
+SOURCES = ("none", "file", "traced")
+MOST_FRAMES = 1 << 16  # of the path tracer
+_SEED = 0x5EED5EED  # not one that graphs in view are likely to have: their noise is independent of the reference's
+_KEPT = ("device", "backend", "validation", "energy_compensation")  # of a graph's options, what the picture's mean depends on
+
+
+class Reference:
+    """image: float32 (H, W, 3) of the scene's own camera, or None."""
+
+    def __init__(self, scene, size, options, image=None):
+        self.image, self.source = image, "none" if image is None else "file"
+        self._scene, self._size = scene, size
+        self._options = {name: options[name] for name in _KEPT if name in options}
+        self._renderer, self._view = None, None
+
+    @property
+    def frames(self):
+        """Frames of the path tracer in the mean."""
+        return self._renderer.frame if self._renderer and self._view else 0
+
+    def use(self, source):
+        """One of SOURCES; the path tracer is made when it is first asked for."""
+        if source == "traced" and self._renderer is None:
+            graph = restirpg.load_graph(Path(restirpg.GRAPHS) / "path_tracer.py")
+            self._renderer = restirpg.Renderer(self._scene, graph, size=self._size, seed=_SEED, **self._options)
+        self.source, self._view = source, None
+
+    def trace(self, pose, seconds, bounces):
+        """One more frame of this view; another view begins anew. Returns whether there was one to render."""
+        if self.source != "traced" or self.frames >= MOST_FRAMES:
+            return False
+        view = (pose, seconds, bounces)
+        if view != self._view:
+            self._renderer.cut()
+            self._renderer.move_camera(**pose)
+            if self._scene.duration > 0:
+                self._renderer.set_time(seconds)
+            if bounces is not None:
+                self._renderer.set_everywhere("bounces", bounces)
+            self._view = view
+        self._renderer.render(1)
+        return True
+
+    def of(self, pose, seconds, bounces, is_home):
+        """The image of this view (is_home: the scene's own), or None."""
+        if self.source == "file":
+            return self.image if is_home else None
+        if self.source == "traced" and self.frames > 0 and self._view == (pose, seconds, bounces):
+            return self._renderer.output("image")
+        return None

@@ -1,0 +1,99 @@
+"""What the viewer tells of a pixel of a guided graph: reservoirs in words, the selected path in the picture, the guide."""
+
+import numpy as np
+import pytest
+from renderer_scenes import GRAPH, restirpg, scene, scene_file  # noqa: F401
+
+from restirpg.harness import UserError, guide_maps, guiding
+from restirpg.viewer import camera, guide, reservoirs
+from restirpg.viewer.session import Session
+
+SIZE = (32, 32)
+FLOOR = (16, 28)
+FRAMES, SEED = 12, 1
+
+
+@pytest.fixture(scope="module")
+def session(scene):
+    """ReSTIR PG after some frames."""
+    session = Session(scene, [GRAPH.with_name("restir_pg.py")], SIZE, validation=True)
+    session.apply({"do": "seed", "value": SEED})
+    for _ in range(FRAMES):
+        session.render()
+    return session
+
+
+@pytest.fixture(scope="module")
+def pixel(session):
+    """A pixel that has selected a path of several bounces, as the page is told of it."""
+    for x in range(4, 28):
+        told = session.inspect(x, FLOOR[1])
+        if told["paths"][0] and len(told["paths"][0]["bounces"]) > 1:
+            return told
+    raise AssertionError("no pixel has selected a path")
+
+
+def test_the_radiance_told_of_a_path_is_that_of_the_pass(session, pixel):
+    told = pixel["reservoirs"][0]
+    assert set(told) == {"direct.reservoirs", "reuse.reservoirs"}
+    path = [what for what, _ in told["reuse.reservoirs"]]
+    (radiance,) = [what.partition("= ")[2].split() for what in path if what.startswith("f W")]
+    np.testing.assert_allclose([float(value) for value in radiance], pixel["panes"][0]["reuse.radiance"], rtol=2e-3)
+    edges = int(path[0].split()[3])
+    assert edges > max(pixel["paths"][0]["bounces"]) and path[1].startswith("x1 smooth")
+    assert any(what.startswith(("a point of triangle", "empty")) for what, _ in told["direct.reservoirs"])
+
+
+def test_the_selected_path_begins_at_the_pixel_and_stays_in_the_scene(session, pixel):
+    path = pixel["paths"][0]
+    assert path["bounces"][0] == 1 and path["bounces"] == sorted(path["bounces"])
+    first = np.multiply(path["points"][0], SIZE)
+    np.testing.assert_allclose(first, [pixel["x"] + 0.5, pixel["y"] + 0.5], atol=0.05)
+    # The camera looks into a box: all of it is in front.
+    assert all(point is not None for point in path["points"])
+
+
+def test_points_are_projected_as_pixels_see_them(session):
+    pose, (x, y) = session.camera, FLOOR
+    depth = session.geometry(x, y)["depth"]
+    right, up, forward = camera.axes(pose)
+    extent = np.tan(pose["yfov"] / 2)
+    point = pose["position"] + depth * (forward + extent * ((2 * (x + 0.5) / SIZE[0] - 1) * right + (1 - 2 * (y + 0.5) / SIZE[1]) * up))
+    np.testing.assert_allclose(np.multiply(camera.project(pose, 1.0, [point])[0], SIZE), [x + 0.5, y + 0.5], atol=1e-6)
+    assert camera.project(pose, 1.0, [pose["position"] - forward]) == [None]
+
+
+def test_empty_and_light_reservoirs_in_words():
+    assert reservoirs.describe_path(np.zeros(1, reservoirs.PATH)[0])[0][0] == "empty"
+    light = np.zeros(1, reservoirs.LIGHT)
+    assert reservoirs.describe_light(light[0])[0][0] == "empty"
+    light["confidence"], light["instance"], light["index"] = 3, 0xFFFFFFFF, 7
+    words = [what for what, _ in reservoirs.describe_light(light[0])]
+    assert words[:2] == ["a point of light 7 of the table", "confidence M = 3"]
+    path = np.zeros(1, reservoirs.PATH)
+    path["shape"], path["labels"], path["confidence"] = 4 | 3 << 8 | 1 << 17, 1 << 2, 2
+    words = [what for what, _ in reservoirs.describe_path(path[0])]
+    assert words[:3] == ["a path of 4 edges", "x1 smooth, x2 sharp reflection (delta), x3 smooth", "it reconnects at x3"]
+
+
+def test_the_guide_at_a_pixel_is_that_of_the_harness(session, scene):
+    """guide_maps makes it from a renderer of its own, as see_guide draws it."""
+    description = session.panes[0].description
+    (point,), (frames,), (mixture,) = guide_maps.Learner(scene, description, [FLOOR], SIZE).run(FRAMES, SEED)
+    told = session.guide(0, *FLOOR)
+    order = np.argsort(-mixture.weight)
+    assert told["lobes"] == [(float(mixture.kappa[i]), float(mixture.weight[i])) for i in order]
+    directions, weights = frames[-1]
+    maps = {"lobes": guide_maps.lobes_in(mixture, point), "directions of this frame": point.histogram(directions, weights)}
+    assert told["directions"] == len(directions) > 0 and told["maps"] == guide._encoded(maps)
+    cell = guiding.read_table(session.panes[0].renderer.read_port("fit.guide"), guiding.CELL, guiding.MEMORY)[1][point.key][0]
+    assert told["alpha"] == guiding.alpha_of(cell) and told["samples"] == cell["samples"] > 0
+    assert sum(weight for _, weight in told["lobes"]) == pytest.approx(1, abs=0.01)
+
+
+def test_a_graph_without_a_guide_refuses(scene):
+    plain = Session(scene, [GRAPH], (16, 16), validation=True)
+    with pytest.raises(UserError, match="no pass of type .*GuidingSplat"):
+        plain.guide(0, 8, 8)
+    told = plain.inspect(8, 8)
+    assert told["reservoirs"] == [{}] and told["paths"] == [None]
