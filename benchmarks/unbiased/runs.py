@@ -2,10 +2,12 @@
 
 import json
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from samples import Samples
 
+import restirpg
 from restirpg.harness import render, scenes
 from restirpg.harness.jobs import Job, Method, digest
 from restirpg.harness.motion import Motion
@@ -41,8 +43,10 @@ class Case:
 
 def code_of(description):
     """Hash of the shaders and of the graph's own passes: a change of other passes leaves samples valid."""
-    folders = [ROOT / "framework" / "shaders"]
-    folders += sorted({ROOT / "passes" / entry["type"] for entry in description["passes"]})
+    _, shaders, *passes = map(Path, restirpg.code_paths())
+    own = {f"restirpg-pass-{entry['type']}" for entry in description["passes"]}
+    folders = [shaders]
+    folders += [kernels for library, kernels in zip(passes[::2], passes[1::2], strict=True) if library.stem in own]
     files = [file for folder in folders for file in sorted(folder.glob("*")) if file.suffix != ".md"]
     return digest(b"".join(digest(file.read_bytes()).encode() for file in files))
 

@@ -9,11 +9,6 @@
 
 #include "path_reservoir.glsl"
 
-// A test compiles this to false, to see that it is missed.
-#ifndef RESTIRPG_SHIFT_VISIBILITY
-#define RESTIRPG_SHIFT_VISIBILITY true
-#endif
-
 /// The path so far: where it stands, how it got there, and what it carries.
 struct PartialPath {
     ShadingPoint point;
@@ -185,7 +180,7 @@ bool shift_path(PathReservoir source, ShadingPoint x1, out PathReservoir shifted
     } else {
         Connection c;
         bool connected = k == path_edges(source) ? connect_to_light(source, path, c) : connect_to_surface(source, path, c);
-        if (!connected || (RESTIRPG_SHIFT_VISIBILITY && !is_free(c.ray)))
+        if (!connected || !is_free(c.ray))
             return false;
         shifted.f = c.f;
         shifted.geometry = c.geometry;

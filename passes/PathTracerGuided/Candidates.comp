@@ -55,15 +55,6 @@ vec3 label_shares(Vertex v, vec3 local)
     return shares / max(shares.x + shares.y + shares.z, 1e-30);
 }
 
-/// The edge from a vertex at x to a light point; with the fault, the point's measure is taken for solid angle.
-LightEdge edge_in_tree(LightPoint point, vec3 x)
-{
-    LightEdge e = edge_to_light(point, x, false);
-    if (RESTIRPG_FAULT == TREE_FAULT_LIGHT_MEASURE && e.jacobian > 0.0)
-        e.light_pdf *= e.jacobian;
-    return e;
-}
-
 /// Weigh a whole path against those before it: is it kept?
 bool offer(PathReservoir path, float weight, float u)
 {
@@ -140,7 +131,7 @@ void offer_light_sample(Tree tree, Vertex v, uint u, RandomKey key, RandomKey ch
     ShadingPoint p = v.point;
     if (bsdf_rough_lobes(p.bsdf, LOBE_ALL) == 0u || !sample_light_point(random4(key, u, RANDOM_LIGHT), point))
         return;
-    LightEdge e = edge_in_tree(point, p.position);
+    LightEdge e = edge_to_light(point, p.position, false);
     vec3 local = to_local(p.local_frame, e.wi);
     if (e.radiance == vec3(0.0) || e.jacobian <= 0.0 || e.light_pdf <= 0.0 || !is_consistent(p, local, e.wi))
         return;
@@ -198,9 +189,7 @@ Bounce scatter_labelled(Vertex v, RandomKey key, uint u)
 void offer_found_light(Tree tree, Vertex v, uint u, Bounce s, PathVertex noted, LightPoint point, vec3 radiance, vec3 absorption,
                        RandomKey choices)
 {
-    if (RESTIRPG_FAULT == TREE_FAULT_FOUND_LIGHTS)
-        return;
-    LightEdge e = edge_in_tree(point, v.point.position);
+    LightEdge e = edge_to_light(point, v.point.position, false);
     float density = s.density;
     if (!s.delta && e.jacobian > 0.0 && params.nextEventEstimation != 0u)
         density += e.light_pdf / e.jacobian * label_shares(v, s.local)[s.label];
@@ -240,8 +229,6 @@ void trace_tree(Hit hit, uvec2 at, uint number)
         if (u > 1u && params.nextEventEstimation != 0u)  // direct light at x_1 is ReSTIR DI's, but for what delta lobes find [shaders/README: Who owns which light]
             offer_light_sample(tree, v, u, key, choices);
         Bounce s = scatter_labelled(v, key, u);
-        if (RESTIRPG_FAULT == TREE_FAULT_LABEL_PROBABILITY)
-            s.density /= label_probability(v.point.bsdf, v.point.wo, s.label);
         if (s.density <= 0.0 || s.value == vec3(0.0) || !is_consistent(v.point, s.local, s.wi))
             return;
 

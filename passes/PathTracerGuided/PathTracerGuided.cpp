@@ -13,8 +13,6 @@ namespace {
 constexpr uint32_t MAX_CANDIDATE_BOUNCES = PATH_MAX_EDGES - 2;
 /// The bits that the keys of random numbers have for a tree, see tree_key (random.glsl).
 constexpr uint32_t MAX_TREES = 16;
-/// In the order of TREE_FAULT_*.
-const std::vector<std::string> FAULTS = {"none", "label_probability", "light_measure", "found_lights"};
 
 }  // namespace
 
@@ -58,8 +56,6 @@ public:
         io.knob("trees", trees_, 1, MAX_TREES,
                 "path trees per pixel and frame, each a path of its own from the primary hit on");
         io.structural();
-        io.choice("fault", fault_, FAULTS, "for tests only: build this mistake into the candidates");
-        io.structural();
     }
 
     void check() const override
@@ -76,13 +72,10 @@ public:
         const Defines defines = {
             {"GUIDED", guided ? "1" : "0"}, {"VERTICES", vertices_ ? "1" : "0"}, {"SAMPLES", samples_ ? "1" : "0"}};
         const Includes includes = {{"guide_module.glsl", guide_.module}};
-        const auto fault = std::find(FAULTS.begin(), FAULTS.end(), fault_) - FAULTS.begin();
-        Defines treeDefines = defines;
-        treeDefines["RESTIRPG_FAULT"] = std::to_string(fault) + "u";
         if (radiance_)
             kernel_ = Kernel(device, passFile("PathTracerGuided.comp"), defines, includes);
         if (wantsTree())
-            treeKernel_ = Kernel(device, passFile("Candidates.comp"), treeDefines, includes);
+            treeKernel_ = Kernel(device, passFile("Candidates.comp"), defines, includes);
     }
 
     void record(Frame& frame) override
@@ -132,7 +125,6 @@ private:
     float alpha_ = 0.5f;
     uint32_t guidedBounces_ = 64;
     uint32_t trees_ = 1;
-    std::string fault_ = "none";
     Device* device_ = nullptr;
     Buffer spareVertices_;
     Kernel kernel_, treeKernel_;

@@ -21,11 +21,5 @@ struct PathTracerParameters {
     uint guidedBounces;  ///< bounces that the guide draws and is trained on, at most bounces + 1
 };
 
-// What the knob `fault` builds into the candidates, in the order of its choices.
-RESTIRPG_CONST TREE_FAULT_NONE = 0u;
-RESTIRPG_CONST TREE_FAULT_LABEL_PROBABILITY = 1u;  ///< the probability of a bounce's label is left out of the weights
-RESTIRPG_CONST TREE_FAULT_LIGHT_MEASURE = 2u;  ///< densities of light points are not converted to solid angle
-RESTIRPG_CONST TREE_FAULT_FOUND_LIGHTS = 3u;  ///< paths that scattering ends on a light are left out
-
 RESTIRPG_SHARED_END
 #endif

@@ -29,7 +29,7 @@ bool scatter_to_light(ShadingPoint p, vec4 u, out LightPoint point)
 /// Density of scatter_to_light over directions, 1/sr. `rough`: probability of the rough lobes under bsdf_pdf.
 float scatter_pdf(ShadingPoint p, LightEdge e, float rough)
 {
-    if (e.delta || RESTIRPG_FAULT == FAULT_MIXTURE)
+    if (e.delta)
         return 0.0;
     return bsdf_pdf(p.bsdf, p.wo, to_local(p.local_frame, e.wi), LOBE_ALL) / rough;
 }
@@ -53,7 +53,7 @@ LightReservoir resample_candidates(ShadingPoint p, RandomKey key)
                                            : scatter_to_light(p, random4(key, i, RANDOM_DIRECTION), y);
         if (!found)
             continue;
-        LightEdge e = connect(y, p.position, false);
+        LightEdge e = edge_to_light(y, p.position, false);
         float target = luminance(direct_contribution(p, e));
         if (target <= 0.0)
             continue;
@@ -85,10 +85,8 @@ void main()
         Domain domain = load_domain(hit, false);
         r = resample_candidates(domain.point, direct_key(at));
         // An occluded winner is an estimate of 0 from a whole candidate set: its confidence stays.
-        if (r.ucw > 0.0 && !is_seen(domain, r.point)) {
+        if (r.ucw > 0.0 && !is_seen(domain, r.point))
             r.ucw = 0.0;
-            r.confidence = RESTIRPG_FAULT == FAULT_CONFIDENCE ? 0.0 : r.confidence;
-        }
     }
     LightReservoirArray(params.reservoirs).at[pixel] = r;
 }

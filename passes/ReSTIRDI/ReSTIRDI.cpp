@@ -1,20 +1,11 @@
 #include "Shared.h"
 #include "render/frame.h"
 
-#include <algorithm>
 #include <array>
 
 namespace restirpg {
 
 static_assert(sizeof(LightReservoir) == 28);
-
-namespace {
-
-/// In the order of FAULT_*.
-const std::vector<std::string> FAULTS = {"none",          "visibility",      "cap",    "confidence",
-                                         "light_measure", "previous_camera", "mixture"};
-
-}  // namespace
 
 class ReSTIRDI final : public Pass {
 public:
@@ -56,19 +47,15 @@ public:
                 "smallest cosine between the shading normals of pixels that are merged");
         io.knob("depth_threshold", depthThreshold_, 0, 1000,
                 "largest relative difference of their distances from the camera");
-        io.choice("fault", fault_, FAULTS, "for tests only: build this mistake in, the picture is wrong");
-        io.structural();
     }
 
     void build(Device& device) override
     {
         device_ = &device;
-        const auto fault = std::find(FAULTS.begin(), FAULTS.end(), fault_) - FAULTS.begin();
-        const Defines defines = {{"RESTIRPG_FAULT", std::to_string(fault) + "u"}};
-        candidatesKernel_ = Kernel(device, passFile("Candidates.comp"), defines);
-        temporalKernel_ = Kernel(device, passFile("Temporal.comp"), defines, {}, compileIf(temporal_ && history_));
-        spatialKernel_ = Kernel(device, passFile("Spatial.comp"), defines, {}, compileIf(rounds_ > 0));
-        shadeKernel_ = Kernel(device, passFile("Shade.comp"), defines, {}, compileIf(bool(radiance_)));
+        candidatesKernel_ = Kernel(device, passFile("Candidates.comp"));
+        temporalKernel_ = Kernel(device, passFile("Temporal.comp"), {}, {}, compileIf(temporal_ && history_));
+        spatialKernel_ = Kernel(device, passFile("Spatial.comp"), {}, {}, compileIf(rounds_ > 0));
+        shadeKernel_ = Kernel(device, passFile("Shade.comp"), {}, {}, compileIf(bool(radiance_)));
     }
 
     void record(Frame& frame) override
@@ -146,7 +133,6 @@ private:
     std::string mis_ = "pairwise";
     float normalThreshold_ = 0.5f;
     float depthThreshold_ = 0.1f;
-    std::string fault_ = "none";
     Device* device_ = nullptr;
     Kernel candidatesKernel_, temporalKernel_, spatialKernel_, shadeKernel_;
     std::array<Buffer, 3> scratch_;

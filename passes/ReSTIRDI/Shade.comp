@@ -18,7 +18,7 @@ void main()
     vec3 radiance = vec3(0.0);
     if (r.ucw > 0.0) {
         ShadingPoint p = load_domain(primary_hit(params.surface, pixel), false).point;
-        radiance = r.ucw * direct_contribution(p, connect(r.point, p.position, false));
+        radiance = r.ucw * direct_contribution(p, edge_to_light(r.point, p.position, false));
     }
     Vec3Image(params.radiance).at[pixel] = radiance;
 }

@@ -1,4 +1,4 @@
-// Parameters of ReSTIRDI's kernels, and the mistakes that tests build in.
+// Parameters of ReSTIRDI's kernels.
 #ifndef RESTIRPG_RESTIR_DI_SHARED_H
 #define RESTIRPG_RESTIR_DI_SHARED_H
 #include "shaders/frame_types.h"
@@ -8,15 +8,6 @@ RESTIRPG_SHARED
 /// Neighbours that one pixel can merge in one round: the arrays of merge.glsl have this length.
 RESTIRPG_CONST MAX_NEIGHBOURS = 16u;
 RESTIRPG_CONST MAX_POOL = 32u;
-
-// Values of RESTIRPG_FAULT, in the order of the knob's choices.
-RESTIRPG_CONST FAULT_NONE = 0u;
-RESTIRPG_CONST FAULT_VISIBILITY = 1u;  ///< targets of the other pixels' domains are weighed without their shadow ray
-RESTIRPG_CONST FAULT_CAP = 2u;  ///< the confidence cap is forgotten in one of the two places that use it
-RESTIRPG_CONST FAULT_CONFIDENCE = 3u;  ///< an occluded candidate no longer counts in M
-RESTIRPG_CONST FAULT_LIGHT_MEASURE = 4u;  ///< solid-angle targets for points that keep their area measure
-RESTIRPG_CONST FAULT_PREVIOUS_CAMERA = 5u;  ///< the previous pixel's target is taken from today's camera
-RESTIRPG_CONST FAULT_MIXTURE = 6u;  ///< BSDF candidates are left out of the candidates' density
 
 /// Push constants of every kernel of the pass; each reads what it needs.
 struct ReSTIRDIParameters {

@@ -11,10 +11,6 @@
 #include "Shared.h"
 #include "light_reservoir.glsl"
 
-#ifndef RESTIRPG_FAULT
-#define RESTIRPG_FAULT FAULT_NONE
-#endif
-
 // First addresses of what the numbers decide; candidate i has address i.
 const uint RANDOM_RESAMPLING = 11u;  ///< dimension of a candidate: is it kept?
 const uint RANDOM_MERGE = 0x10000u;  ///< + round: which reservoir a merge keeps
@@ -73,46 +69,33 @@ Domain load_domain(Hit hit, bool previous)
 {
     Surface today = load_surface(hit, false);
     Surface then = previous ? load_surface(hit, true) : today;
-    bool before = previous && RESTIRPG_FAULT != FAULT_PREVIOUS_CAMERA;
-    vec3 camera = before ? frame.c.previousCamera.position : frame.c.camera.position;
+    vec3 camera = previous ? frame.c.previousCamera.position : frame.c.camera.position;
     ShadingPoint point = shade_surface(then, normalize(camera - then.position));
     return Domain(point, ray_end(today), previous);
-}
-
-/// The edge from a domain's surface point x to a light point.
-LightEdge connect(LightPoint y, vec3 x, bool previous)
-{
-    LightEdge e = edge_to_light(y, x, previous);
-    if (RESTIRPG_FAULT == FAULT_LIGHT_MEASURE && e.jacobian > 0.0) {
-        e.light_pdf /= e.jacobian;
-        e.jacobian = 1.0;
-    }
-    return e;
 }
 
 /// Does nothing stand between the domain's surface and the point? Of the frame before, no acceleration structure is
 /// left: the ray runs between the places where both ends stand today, so that neither hides behind itself.
 bool is_seen(Domain d, LightPoint y)
 {
-    return is_lit(d.today, connect(y, d.today.position, false));
+    return is_lit(d.today, edge_to_light(y, d.today.position, false));
 }
 
 /// The target of a domain: p^(y) V(y).
-float evaluate_target(Domain d, LightPoint y, bool shadow_ray)
+float evaluate_target(Domain d, LightPoint y)
 {
-    float target = luminance(direct_contribution(d.point, connect(y, d.point.position, d.previous)));
-    return target > 0.0 && (!shadow_ray || is_seen(d, y)) ? target : 0.0;
+    float target = luminance(direct_contribution(d.point, edge_to_light(y, d.point.position, d.previous)));
+    return target > 0.0 && is_seen(d, y) ? target : 0.0;
 }
 
 float target_at_centre(LightPoint y)
 {
-    return evaluate_target(merge.centre, y, true);
+    return evaluate_target(merge.centre, y);
 }
 
 float target_at_neighbour(uint j, LightPoint y)
 {
-    Domain d = load_domain(primary_hit(merge.surfaces, merge.pixel[j]), merge.previous);
-    return evaluate_target(d, y, RESTIRPG_FAULT != FAULT_VISIBILITY);
+    return evaluate_target(load_domain(primary_hit(merge.surfaces, merge.pixel[j]), merge.previous), y);
 }
 
 /// Generalised balance heuristic: confidence times target, over the sum of that of all participants. `own`: the
@@ -140,9 +123,7 @@ float neighbour_weight(uint j, LightPoint y, float there, float here)
 {
     if (merge.pairwise)
         return merge.confidence[j] / merge.total * pairwise_share(there, here);
-    bool uncapped = RESTIRPG_FAULT == FAULT_CAP;
-    float confidence = uncapped ? merge.reservoirs.at[merge.pixel[j]].confidence : merge.confidence[j];
-    return balance_weight(confidence * there, here, j, y);
+    return balance_weight(merge.confidence[j] * there, here, j, y);
 }
 
 /// MIS weight of the centre for its point y, of target `here` (> 0). Pairwise: its own part, and what each neighbour

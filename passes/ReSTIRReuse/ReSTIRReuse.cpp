@@ -8,14 +8,6 @@ namespace restirpg {
 
 static_assert(sizeof(PathReservoir) == 92);
 
-namespace {
-
-/// In the order of REUSE_FAULT_*.
-const std::vector<std::string> FAULTS = {"none",       "jacobian",   "mis",           "cap",          "previous_camera",
-                                         "confidence", "visibility", "light_measure", "sharp_density"};
-
-}  // namespace
-
 class ReSTIRReuse final : public Pass {
 public:
     void describe(Interface& io) override
@@ -60,8 +52,6 @@ public:
                 "smallest cosine between the shading normals of pixels that are merged");
         io.knob("depth_threshold", depthThreshold_, 0, 1000,
                 "largest relative difference of their distances from the camera");
-        io.choice("fault", fault_, FAULTS, "for tests only: build this mistake in, the picture is wrong");
-        io.structural();
     }
 
     void check() const override
@@ -77,10 +67,8 @@ public:
     void build(Device& device) override
     {
         device_ = &device;
-        const auto fault = std::find(FAULTS.begin(), FAULTS.end(), fault_) - FAULTS.begin();
-        const Defines defines = {{"RESTIRPG_FAULT", std::to_string(fault) + "u"}};
-        temporalKernel_ = Kernel(device, passFile("Temporal.comp"), defines, {}, compileIf(temporal_ && history_));
-        spatialKernel_ = Kernel(device, passFile("Spatial.comp"), defines, {}, compileIf(rounds_ > 0));
+        temporalKernel_ = Kernel(device, passFile("Temporal.comp"), {}, {}, compileIf(temporal_ && history_));
+        spatialKernel_ = Kernel(device, passFile("Spatial.comp"), {}, {}, compileIf(rounds_ > 0));
         shadeKernel_ = Kernel(device, passFile("Shade.comp"), {}, {}, compileIf(bool(radiance_)));
         if (vertices_)
             verticesKernel_ = Kernel(device, passFile("Vertices.comp"));
@@ -171,7 +159,6 @@ private:
     float leastRadius_ = 3;
     float normalThreshold_ = 0.5f;
     float depthThreshold_ = 0.1f;
-    std::string fault_ = "none";
     Device* device_ = nullptr;
     Buffer scratch_[3], originScratch_[2];
     Kernel temporalKernel_, spatialKernel_, shadeKernel_, verticesKernel_;

@@ -41,17 +41,5 @@ struct ReuseVerticesParameters {
 RESTIRPG_CONST MAX_REUSE_NEIGHBOURS = 16u;
 RESTIRPG_CONST MAX_REUSE_POOL = 32u;
 
-// What the knob `fault` builds in, in the order of its choices.
-RESTIRPG_CONST REUSE_FAULT_NONE = 0u;
-RESTIRPG_CONST REUSE_FAULT_JACOBIAN = 1u;  ///< every shift's Jacobian is 1
-RESTIRPG_CONST REUSE_FAULT_MIS = 2u;  ///< the history's target in its own domain is taken without the Jacobian
-/// The history's MIS weight uses its confidence before the cap, the other one that after
-RESTIRPG_CONST REUSE_FAULT_CAP = 3u;
-RESTIRPG_CONST REUSE_FAULT_PREVIOUS_CAMERA = 4u;  ///< the previous frame's surfaces are seen by this frame's camera
-RESTIRPG_CONST REUSE_FAULT_CONFIDENCE = 5u;  ///< pixels without a sample take no part
-RESTIRPG_CONST REUSE_FAULT_VISIBILITY = 6u;  ///< nothing is traced along the edge that connects a shifted path
-RESTIRPG_CONST REUSE_FAULT_LIGHT_MEASURE = 7u;  ///< the geometry term of an edge that reconnects to a light is left out
-RESTIRPG_CONST REUSE_FAULT_SHARP_DENSITY = 8u;  ///< the densities of replayed rough bounces are left out
-
 RESTIRPG_SHARED_END
 #endif

@@ -26,10 +26,7 @@ Choice merge_history(uvec2 at, Hit hit, PathReservoir own, uint before)
 {
     Choice kept = Choice(own, 0.0, OWN);
     PathReservoir history = PathReservoirArray(params.history).at[before];
-    float uncapped = history.confidence;
     history.confidence = min(history.confidence, params.cap * own.confidence);
-    if (RESTIRPG_FAULT == REUSE_FAULT_CONFIDENCE && history.ucw <= 0.0)
-        return kept;
     // Two shifts: this frame's path to the history's domain, and the history's path here. One place calls the shift, for compilers copy
     // its code to each.
     [[dont_unroll]] for (uint i = 0u; i < 2u; ++i) {
@@ -47,8 +44,7 @@ Choice merge_history(uvec2 at, Hit hit, PathReservoir own, uint before)
         if (present && own.ucw > 0.0) {
             kept.sum = present_share(own, target, own.confidence, history.confidence) * luminance(own.f) * own.ucw;
         } else if (!present && has_image) {
-            float confidence = RESTIRPG_FAULT == REUSE_FAULT_CAP ? uncapped : history.confidence;
-            float share = history_share(history, shifted, jacobian, own.confidence, confidence);
+            float share = history_share(history, shifted, jacobian, own.confidence, history.confidence);
             choose(kept, shifted, HISTORY, share * target * history.ucw, random1(reuse_key(at), TEMPORAL_ROUND, 1u));
         }
     }

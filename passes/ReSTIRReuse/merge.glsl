@@ -4,11 +4,6 @@
 
 #include "Shared.h"
 
-#ifndef RESTIRPG_FAULT
-#define RESTIRPG_FAULT REUSE_FAULT_NONE
-#endif
-#define RESTIRPG_SHIFT_VISIBILITY (RESTIRPG_FAULT != REUSE_FAULT_VISIBILITY)
-
 #include "neighbours.glsl"
 #include "rounds.glsl"
 #include "path_shift.glsl"
@@ -26,23 +21,14 @@ RandomKey reuse_key(uvec2 at)
 ShadingPoint load_domain(Hit hit, bool previous)
 {
     Surface s = load_surface(hit, false);
-    bool before = previous && RESTIRPG_FAULT != REUSE_FAULT_PREVIOUS_CAMERA;
-    vec3 camera = before ? frame.c.previousCamera.position : frame.c.camera.position;
+    vec3 camera = previous ? frame.c.previousCamera.position : frame.c.camera.position;
     return shade_surface(s, normalize(camera - s.position));
 }
 
-/// Shift for reuse; with a fault, without its Jacobian or a factor of that.
+/// The shift of a path that a reservoir holds: an empty one has no image anywhere.
 bool shift_to(PathReservoir source, ShadingPoint x1, out PathReservoir shifted, out float jacobian)
 {
-    if (source.ucw <= 0.0 || !shift_path(source, x1, shifted, jacobian))
-        return false;
-    if (RESTIRPG_FAULT == REUSE_FAULT_JACOBIAN)
-        jacobian = 1.0;
-    if (RESTIRPG_FAULT == REUSE_FAULT_LIGHT_MEASURE && reconnection_index(source) == path_edges(source))
-        jacobian *= source.geometry / shifted.geometry;
-    if (RESTIRPG_FAULT == REUSE_FAULT_SHARP_DENSITY)
-        jacobian *= shifted.sharpPdf / source.sharpPdf;
-    return true;
+    return source.ucw > 0.0 && shift_path(source, x1, shifted, jacobian);
 }
 
 // The MIS weights, of paths that a pixel holds: their target is that of the path's own f. `there` is p^_{<-j}(y) |dT/dy|: the target of
@@ -58,7 +44,7 @@ float present_share(PathReservoir y, float there, float confidence, float histor
 /// The share of the history's path y against this pixel, which sees it as `image`.
 float history_share(PathReservoir y, PathReservoir image, float jacobian, float confidence, float history_confidence)
 {
-    float share = history_confidence * luminance(y.f) / (RESTIRPG_FAULT == REUSE_FAULT_MIS ? 1.0 : jacobian);
+    float share = history_confidence * luminance(y.f) / jacobian;
     return share / (share + confidence * luminance(image.f));
 }
 

@@ -132,7 +132,7 @@ private:
                 knobs["reference"] = reference_;
             else if (knob.name == "cells")
                 knobs["cells"] = chance(90) ? 4096 : 1024 + below(8192);
-            else if (knob.name != "fault" && chance(15))  // each fault is a kernel to compile
+            else if (chance(15))
                 knobs[knob.name] = valueOf(knob);
         }
         return knobs;

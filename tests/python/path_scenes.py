@@ -44,8 +44,8 @@ def write_every_bounce(folder):
     return scene.write(folder)
 
 
-def probe_graph():
-    """ReSTIR PT under the tests' ShiftProbe. Candidates alone: temporal off, no rounds."""
+def probe_graph(outputs=OUTPUTS):
+    """ReSTIR PT under the tests' ShiftProbe, which compiles what these outputs need."""
     graph = restirpg.Graph("Shifts measured")
     gbuffer = graph.add("gbuffer", "GBuffer")
     paths = graph.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=4)
@@ -54,6 +54,6 @@ def probe_graph():
                       history=restirpg.prev("reuse.reservoirs"))
     probe = graph.add("probe", "ShiftProbe", surface=gbuffer.surface, reservoirs=reuse.reservoirs,
                       previous_surface=restirpg.prev("gbuffer.surface"), history=restirpg.prev("reuse.reservoirs"))
-    for name in OUTPUTS:
+    for name in outputs:
         graph.output(name, getattr(probe, name))
     return graph

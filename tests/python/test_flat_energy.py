@@ -8,6 +8,7 @@ the MIS weights, with the cap one in the confidences.
 
 import numpy as np
 import pytest
+from mutants import mutant
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 from scipy import stats
 
@@ -22,7 +23,7 @@ SETTINGS = [
     {"rounds": 1, "neighbours": 6, "cap": 100.0}, {"rounds": 3, "neighbours": 2, "cap": 1.0},
     {"rounds": 4, "neighbours": 6, "cap": 20.0},
 ]
-DEFAULTS = {"temporal": True, "neighbours": 3, "cap": 20.0, "fault": "none"}
+DEFAULTS = {"temporal": True, "neighbours": 3, "cap": 20.0}
 
 
 def resampled(accumulate):
@@ -40,8 +41,7 @@ def resampled(accumulate):
     return g
 
 
-@pytest.fixture(scope="module")
-def renderer(scene):  # noqa: F811
+def make_resampled(scene):  # noqa: F811
     renderer = make_renderer(scene, resampled(False), size=SIZE)
     renderer.set("paths.bounces", BOUNCES)
     return renderer
@@ -74,7 +74,8 @@ def flatness(samples):
     return float(stats.chi2.sf(np.sum(((means - average) / errors) ** 2), len(means) - 1))
 
 
-def test_energy_does_not_depend_on_what_is_reused(renderer, path_traced):
+def test_energy_does_not_depend_on_what_is_reused(scene, path_traced):  # noqa: F811
+    renderer = make_resampled(scene)
     samples = [path_traced, *(means_of(renderer, settings) for settings in SETTINGS)]
     p = flatness(samples)
     print(f"p of one mean: {p:.3g}")
@@ -83,5 +84,6 @@ def test_energy_does_not_depend_on_what_is_reused(renderer, path_traced):
     last = samples[-1] - samples[-1].mean()
     darker = last + path_traced.mean() - 6 * last.std(ddof=1) / np.sqrt(RUNS)
     assert flatness([*samples[:-1], darker]) < LEVEL
-    mistaken = means_of(renderer, {"rounds": 0, "cap": 20.0, "fault": "confidence"})
+    with mutant("reuse_confidence", "ReSTIRReuse"):
+        mistaken = means_of(make_resampled(scene), {"rounds": 0, "cap": 20.0})
     assert flatness([*samples, mistaken]) < LEVEL

@@ -13,6 +13,7 @@ brackets):
 
 import numpy as np
 import pytest
+from mutants import mutant
 from path_scenes import OUTPUTS, probe_graph, write_every_bounce
 from renderer_scenes import SIZE, own_plugins, restirpg  # noqa: F401
 
@@ -23,17 +24,15 @@ FEWER_FRAMES = 24
 LEAST_PATHS, LEAST_TRIPS = 60, 5  # of a class
 TRIP_NO_PATH, TRIP_NO_IMAGE, TRIP_RETURNED = range(3)  # then failures, see ShiftProbe/Shared.h
 WAYS = ("stay", "neighbour", "previous")
-FAULTS = ["none", "jacobian", "mis", "cap", "previous_camera", "confidence", "visibility", "light_measure",
-          "sharp_density"]
 
 END = 7  # bits of a kind that say how the path ends
 ENDS = {"surface": 0, "emitter": 1, "environment": 2, "punctual": 3, "delta": 4}
 CONNECTIONS = {"connected by a sharp lobe": 256, "connected through the surface": 512}
 BOUNCES = {"copied": 8, "delta reflection": 16, "delta transmission": 32, "sharp reflection": 64,
            "sharp transmission": 128, **CONNECTIONS}
-# By which technique a path ends; "reused" are those that temporal and spatial reuse leave.
-SOURCES = {"light samples": {"paths.fault": "found_lights"}, "scattering": {"paths.nee": False},
-           "reused": {"reuse.temporal": True, "reuse.rounds": 1}}
+# By which technique a path ends; "reused" are those that temporal and spatial reuse leave. Candidates of light samples alone are
+# those of a mutant of the path tracer.
+SOURCES = {"light samples": {}, "scattering": {"paths.nee": False}, "reused": {"reuse.temporal": True, "reuse.rounds": 1}}
 # Surfaces reconnect by smooth lobes only, and what ends on a delta does not reconnect.
 ABSENT = {("surface", "connected by a sharp lobe"), *(("delta", connection) for connection in CONNECTIONS)}
 
@@ -44,19 +43,29 @@ def is_of(kinds, end, bounce=None):
 
 
 @pytest.fixture(scope="module")
-def renderer(own_plugins, tmp_path_factory):  # noqa: F811
-    """One for all: the probe's kernels take seconds to compile."""
-    scene = restirpg.load_scene(write_every_bounce(tmp_path_factory.mktemp("every_bounce")))
-    return restirpg.Renderer(scene, probe_graph(), size=SIZE, seed=5, validation=True)
+def every_bounce(own_plugins, tmp_path_factory):  # noqa: F811
+    return restirpg.load_scene(write_every_bounce(tmp_path_factory.mktemp("every_bounce")))
 
 
-def measure(renderer, source, frames, fault="none"):
+def probe(scene, outputs=OUTPUTS):
+    return restirpg.Renderer(scene, probe_graph(outputs), size=SIZE, seed=5, validation=True)
+
+
+@pytest.fixture(scope="module")
+def renderers(every_bounce):
+    """One for each source: the probe's kernels take seconds to compile."""
+    whole = probe(every_bounce)
+    with mutant("tree_found_lights", "PathTracerGuided"):
+        return {source: probe(every_bounce) if source == "light samples" else whole for source in SOURCES}
+
+
+def measure(renderer, source, frames):
     """Outputs of the probe over so many frames of a moving camera: {name: float (paths, 4)}."""
-    plain = {"paths.fault": "none", "paths.nee": True, "reuse.temporal": False, "reuse.rounds": 0}
-    for name, value in {**plain, **SOURCES[source], "probe.fault": FAULTS.index(fault)}.items():
+    plain = {"paths.nee": True, "reuse.temporal": False, "reuse.rounds": 0}
+    for name, value in {**plain, **SOURCES[source]}.items():
         renderer.set(name, value)
     renderer.cut()
-    results = {name: [] for name in OUTPUTS}
+    results = {name: [] for name in renderer.output_names}
     for k in range(frames):
         renderer.move_camera(position=(0.1 - 0.05 * np.sin(k), 1.0, 3.3 - 0.04 * np.cos(2 * k)))
         renderer.render(1)
@@ -66,9 +75,9 @@ def measure(renderer, source, frames, fault="none"):
 
 
 @pytest.fixture(scope="module", params=SOURCES)
-def measured(request, renderer):
+def measured(request, renderers):
     frames = FEWER_FRAMES if request.param == "reused" else FRAMES
-    return request.param, measure(renderer, request.param, frames)
+    return request.param, measure(renderers[request.param], request.param, frames)
 
 
 def trips(results, way):
@@ -120,9 +129,10 @@ def test_a_path_shifted_there_and_back_is_the_path_it_was(measured, way):
 
 
 @pytest.mark.parametrize("source", ["light samples", "scattering"])
-def test_paths_of_every_tree_return(renderer, source):
+def test_paths_of_every_tree_return(renderers, source):
     """The reservoir's key names the tree: replayed with another tree's numbers, sharp bounces would lead elsewhere. (Of 900,000 paths of
     other seeds one had no image in its own pixel: its connection runs along an edge.)"""
+    renderer = renderers[source]
     renderer.set("paths.trees", 3)
     results = measure(renderer, source, FEWER_FRAMES)
     renderer.set("paths.trees", 1)
@@ -158,19 +168,26 @@ def test_the_weights_of_every_path_add_up_to_one(measured):
     assert worst.max() < 2e-3 and weight_sums(results, 0.999).max() < 1e-5
 
 
-@pytest.mark.parametrize("fault", ["mis", "cap", "previous_camera"])
-def test_a_mistake_breaks_the_weights_sum(renderer, fault):
-    assert weight_sums(measure(renderer, "reused", FEWER_FRAMES, fault)).max() > 0.1
+def measure_mutant(scene, mistake, outputs, source):
+    """What the probe with the mistake gives for these outputs, which are all that it compiles."""
+    with mutant(mistake, "ShiftProbe"):
+        return measure(probe(scene, outputs), source, FEWER_FRAMES)
 
 
-# The mistake, and the class of paths that it concerns.
-@pytest.mark.parametrize(("fault", "end", "bounce"), [
-    ("jacobian", "surface", None), ("light_measure", "emitter", None),
-    ("sharp_density", "surface", "sharp transmission"), ("sharp_density", "environment", "sharp reflection"),
-    ("sharp_density", "delta", "sharp transmission")])
-def test_a_factor_left_out_of_the_jacobian_shows_in_its_class(renderer, fault, end, bounce):
+@pytest.mark.parametrize("mistake", ["reuse_mis", "reuse_cap", "reuse_previous_camera"])
+def test_a_mistake_breaks_the_weights_sum(every_bounce, mistake):
+    results = measure_mutant(every_bounce, mistake, ("spatial_sums", "temporal_sums"), "reused")
+    assert weight_sums(results).max() > 0.1
+
+
+# The mistake, and the classes of paths that it concerns.
+@pytest.mark.parametrize(("mistake", "classes"), [
+    ("reuse_jacobian", [("surface", None)]), ("reuse_light_measure", [("emitter", None)]),
+    ("reuse_sharp_density", [("surface", "sharp transmission"), ("environment", "sharp reflection"), ("delta", "sharp transmission")])])
+def test_a_factor_left_out_of_the_jacobian_shows_in_its_class(every_bounce, mistake, classes):
     """Round trips cannot see it: it is left out both ways."""
-    results = measure(renderer, "scattering", FEWER_FRAMES, fault)
+    results = measure_mutant(every_bounce, mistake, ("neighbour", "neighbour_jacobian", "previous_jacobian"), "scattering")
     kinds, ratios = jacobians(results)
-    assert off(ratios[is_of(kinds, end, bounce)]) > 0.2  # ten times what is allowed
+    for end, bounce in classes:
+        assert off(ratios[is_of(kinds, end, bounce)]) > 0.2  # ten times what is allowed
     assert np.all(trips(results, "neighbour")[1][:, 3] == TRIP_RETURNED)

@@ -1,4 +1,4 @@
-"""ReSTIR DI is unbiased, whatever is reused, and each mistake that can be built in turns a test red.
+"""ReSTIR DI is unbiased, whatever is reused, and each mistake of tests/mutants turns a test red.
 
 Null hypothesis and false-alarm rate of the rendered tests: see scripts/restirpg/harness/unbiased.py.
 """
@@ -9,6 +9,7 @@ import sys
 import numpy as np
 import pytest
 from direct_light import direct_graph, make_reference, write_every_light, write_open_floor
+from mutants import mutant
 from renderer_scenes import ROOT, SIZE, make_renderer, own_plugins, restirpg, scene, scene_file  # noqa: F401
 
 from restirpg.harness.statistics import LEVEL
@@ -19,7 +20,6 @@ FRAMES = 8
 REFERENCE_FRAMES = 4096
 # Weights are sums of a few floats; a shadow ray that two participants judge apart would show as 1e-2 or more.
 PARTITION_TOLERANCE = 1e-4
-FAULTS = ["none", "visibility", "cap", "confidence", "light_measure", "previous_camera", "mixture"]
 
 
 @pytest.fixture(scope="module")
@@ -113,25 +113,25 @@ def test_the_mean_does_not_depend_on_what_is_reused(scene, box_reference, settin
 
 # The mistake, and settings under which it matters. The weights' sums below find that of the previous camera.
 @pytest.mark.compile_bound
-@pytest.mark.parametrize(("fault", "settings"), [
-    ("visibility", {}), ("cap", {}), ("confidence", {}), ("light_measure", {}),
-    ("mixture", {"candidates": 1, "bsdf_candidates": 4, "rounds": 0})])
-def test_a_mistake_shows_in_the_mean(scene, box_reference, fault, settings):  # noqa: F811
-    renderer = make_renderer(scene, direct_graph(fault=fault, **settings))
+@pytest.mark.parametrize(("mistake", "settings"), [
+    ("di_visibility", {}), ("di_cap", {}), ("di_confidence", {}), ("di_light_measure", {}),
+    ("di_mixture", {"candidates": 1, "bsdf_candidates": 4, "rounds": 0})])
+def test_a_mistake_shows_in_the_mean(scene, box_reference, mistake, settings):  # noqa: F811
+    with mutant(mistake, "ReSTIRDI"):
+        renderer = make_renderer(scene, direct_graph(**settings))
     samples = independent_runs(renderer, RUNS // 4, (FRAMES,))
     verdict = compare(samples[FRAMES], box_reference)
-    print(f"{fault}: {verdict}")
+    print(f"{mistake}: {verdict}")
     assert verdict.biased
 
 
-def weight_sums(every_light, fault="none", pairwise=True):
+def weight_sums(every_light, pairwise=True):
     """Farthest from 1 that the MIS weights of a point add up to, in temporal and in spatial reuse."""
     graph = direct_graph()
     direct, gbuffer = graph["direct"], graph["gbuffer"]
     probe = graph.add("probe", "MergeProbe", surface=gbuffer.surface, motion=gbuffer.motion,
                       previous_surface=restirpg.prev("gbuffer.surface"), reservoirs=direct.reservoirs,
-                      history=restirpg.prev("direct.reservoirs"), pairwise=pairwise,
-                      fault=FAULTS.index(fault))
+                      history=restirpg.prev("direct.reservoirs"), pairwise=pairwise)
     graph.output("temporal", probe.temporal)
     graph.output("spatial", probe.spatial)
     renderer = make_renderer(every_light, graph)
@@ -142,7 +142,7 @@ def weight_sums(every_light, fault="none", pairwise=True):
         sums = np.array([renderer.output(name) for name in ("temporal", "spatial")], float)
         worst = np.maximum(worst, sums[..., 0].max((1, 2)))
         tried += sums[..., 1].sum((1, 2))
-    print(f"{fault}: weights add up to 1 within {worst}, {tried.astype(int)} points")
+    print(f"weights add up to 1 within {worst}, {tried.astype(int)} points")
     assert tried.min() > 3 * SIZE[0] * SIZE[1] / 2
     return worst
 
@@ -154,9 +154,10 @@ def test_the_weights_of_every_point_add_up_to_one(own_plugins, every_light, pair
 
 
 @pytest.mark.compile_bound
-@pytest.mark.parametrize("fault", ["visibility", "cap", "previous_camera"])
-def test_a_mistake_breaks_the_weights_sum(own_plugins, every_light, fault):
-    assert weight_sums(every_light, fault).max() > 100 * PARTITION_TOLERANCE
+@pytest.mark.parametrize("mistake", ["di_visibility", "di_cap", "di_previous_camera"])
+def test_a_mistake_breaks_the_weights_sum(own_plugins, every_light, mistake):
+    with mutant(mistake, "MergeProbe"):
+        assert weight_sums(every_light).max() > 100 * PARTITION_TOLERANCE
 
 
 def test_reuse_lowers_the_error(scene, box_reference):  # noqa: F811

@@ -10,6 +10,7 @@ of freedom are a false alarm of 0.1% a case. Without light samples a candidate's
 import numpy as np
 import pytest
 from furnace_scenes import BRUSHED, MIRROR, PANE, closed_box, dark_half, standard_errors_off, upright_strips
+from mutants import mutant
 from renderer_scenes import restirpg
 
 from restirpg.harness.unbiased import independent_runs
@@ -18,7 +19,7 @@ ALBEDO, BOUNCES = 0.8, 2
 RUNS, FRAMES, LIMIT = 32, 4, 3.7
 REUSE = {"none": {"temporal": False, "rounds": 0}, "temporal": {"rounds": 0}, "spatial": {"temporal": False},
          "both": {}, "much": {"rounds": 3, "neighbours": 6, "cap": 100.0}}
-DEFAULTS = {"temporal": True, "rounds": 1, "neighbours": 3, "cap": 20.0, "fault": "none"}
+DEFAULTS = {"temporal": True, "rounds": 1, "neighbours": 3, "cap": 20.0}
 
 
 def make_renderer(file, size, bounces, **knobs):
@@ -68,24 +69,27 @@ def test_a_closed_furnace_gives_its_series_whatever_is_reused(box, reuse, nee):
     assert standard_errors_off(means, EXPECTED + ALBEDO ** (BOUNCES + 2)) > 2 * LIMIT  # a bounce too many
 
 
-@pytest.mark.parametrize("fault", ["light_measure", "found_lights"])
-def test_a_mistake_in_the_candidates_shows_in_the_furnace(box, fault):
-    box.set("paths.fault", fault)
+@pytest.mark.compile_bound
+@pytest.mark.parametrize("mistake", ["tree_light_measure", "tree_found_lights"])
+def test_a_mistake_in_the_candidates_shows_in_the_furnace(tmp_path, mistake):
+    with mutant(mistake, "PathTracerGuided"):
+        box = make_renderer(closed_box(tmp_path, ALBEDO), (16, 16), BOUNCES)
     means = box_means(box, True, REUSE["none"])
-    box.set("paths.fault", "none")
-    print(f"{fault}: ratio {means.mean() / EXPECTED:.4f}")
+    print(f"{mistake}: ratio {means.mean() / EXPECTED:.4f}")
     assert standard_errors_off(means, EXPECTED) > 2 * LIMIT
 
 
+@pytest.mark.compile_bound
 def test_a_clear_pane_loses_no_light_but_without_the_probability_of_labels(tmp_path):
     """It reflects or transmits; a label's value over its probability is 1."""
-    pane = make_renderer(upright_strips(tmp_path, PANE), (16, 16), 0)
-    for fault in ("none", "label_probability"):
-        pane.set("paths.fault", fault)
-        set_reuse(pane, REUSE["none"])
+    def errors():
+        pane = make_renderer(upright_strips(tmp_path, PANE), (16, 16), 0, **REUSE["none"])
         pane.render(1)
-        error = np.abs(pane.output("radiance").astype(float) - 1)
-        assert error.max() < 1e-5 if fault == "none" else error.mean() > 0.05
+        return np.abs(pane.output("radiance").astype(float) - 1)
+
+    assert errors().max() < 1e-5
+    with mutant("tree_label_probability", "PathTracerGuided"):
+        assert errors().mean() > 0.05
 
 
 @pytest.fixture(scope="module")
@@ -107,10 +111,14 @@ def test_a_mirror_shares_no_light_with_brushed_metal(halves, reuse):
     assert np.all(image[:, 8:] == 0)
 
 
+def screened_renderer(folder):
+    """Of a lit and a dark half of one floor, whose pixels share paths."""
+    return make_renderer(dark_half(folder), (16, 16), BOUNCES, radius=1000.0)
+
+
 @pytest.fixture(scope="module")
 def screened(tmp_path_factory):
-    """A lit and a dark half of one floor, whose pixels share paths."""
-    return make_renderer(dark_half(tmp_path_factory.mktemp("dark_half")), (16, 16), BOUNCES, radius=1000.0)
+    return screened_renderer(tmp_path_factory.mktemp("dark_half"))
 
 
 def light_behind_the_screen(screened, knobs):
@@ -127,5 +135,7 @@ def test_no_path_goes_through_a_screen(screened, reuse):
     assert light_behind_the_screen(screened, REUSE[reuse]) == 0
 
 
-def test_a_connection_that_is_not_traced_goes_through_the_screen(screened):
-    assert light_behind_the_screen(screened, {"fault": "visibility"}) > 0.01
+@pytest.mark.compile_bound
+def test_a_connection_that_is_not_traced_goes_through_the_screen(tmp_path):
+    with mutant("reuse_visibility", "ReSTIRReuse"):
+        assert light_behind_the_screen(screened_renderer(tmp_path), {}) > 0.01

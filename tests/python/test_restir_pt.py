@@ -13,6 +13,7 @@ import sys
 import numpy as np
 import pytest
 from direct_light import write_every_light
+from mutants import mutant
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 
 from restirpg.harness.unbiased import Reference, compare, independent_runs
@@ -109,11 +110,11 @@ def test_several_trees_are_the_mean_of_as_many_runs(scene, port):
 
 
 def test_leaving_out_empty_history_is_found(scene, reference):
-    knobs = {"fault": "confidence", "temporal": True, "rounds": 0}
-    assert abs(z_of(means_after(scene, restir(False, **knobs), 4, 400, 8), reference)) > 6
+    with mutant("reuse_confidence", "ReSTIRReuse"):
+        assert abs(z_of(means_after(scene, restir(False, rounds=0), 4, 400, 8), reference)) > 6
 
 
-def block_verdicts(file, frames, runs, fault="none"):
+def block_verdicts(file, frames, runs):
     """Verdicts on the given frames of ReSTIR PT's runs, against the path tracer."""
     scene = restirpg.load_scene(file)
     tracer = make_renderer(scene, path_tracer(), seed=77)
@@ -122,7 +123,7 @@ def block_verdicts(file, frames, runs, fault="none"):
     # The standard deviation of a luminance is at most that of fully correlated channels.
     error = np.sqrt(tracer.output("variance").astype(float)) @ LUMINANCE / np.sqrt(REFERENCE_FRAMES)
     reference = Reference(tracer.output("image").astype(float) @ LUMINANCE, error**2)
-    renderer = make_renderer(scene, restir(False, fault=fault))
+    renderer = make_renderer(scene, restir(False))
     renderer.set("paths.bounces", BOUNCES)
     samples = independent_runs(renderer, runs, frames, output="image")
     return {k: compare(images, reference, len(frames)) for k, images in samples.items()}
@@ -145,7 +146,8 @@ def test_every_blocks_mean_is_the_path_tracers(tmp_path, write):
 
 def test_the_block_test_finds_a_mistake(tmp_path):
     """Leaving out empty history, in a quarter of the runs."""
-    verdict = block_verdicts(write_every_light(tmp_path), (8,), RUNS // 4, "confidence")[8]
+    with mutant("reuse_confidence", "ReSTIRReuse"):
+        verdict = block_verdicts(write_every_light(tmp_path), (8,), RUNS // 4)[8]
     print(verdict)
     assert verdict.biased
 

@@ -1,7 +1,7 @@
 """benchmarks/unbiased/record.py and the test it makes (restirpg.harness.unbiased): what it must find, and what it must not.
 
 Rendered cases: 64 runs of the Cornell box at 16 x 16; the seeds are fixed, so that a case that passes keeps passing. Of the
-faults of ReSTIRReuse only "confidence" shows here: a still camera makes every temporal Jacobian 1, and in a diffuse box the spatial
+mutants of ReSTIRReuse only "confidence" shows here: a still camera makes every temporal Jacobian 1, and in a diffuse box the spatial
 ones are near it. Made-up runs: TRIALS comparisons of lognormal pixels, skewed as a frame's are.
 """
 
@@ -11,6 +11,7 @@ import sys
 
 import numpy as np
 import pytest
+from mutants import mutant
 from renderer_scenes import ROOT, scene_file  # noqa: F401
 
 from restirpg.harness.statistics import LEVEL
@@ -56,8 +57,8 @@ def test_a_guided_method_passes(out, scene_file, method):  # noqa: F811
 
 
 def test_a_mistake_of_reuse_is_found(out, scene_file):  # noqa: F811
-    method = "graphs/restir_pt.py@reuse.fault=confidence"
-    code, found = record(out, scene_file, method, "--frames", "4", "--runs", "64")
+    with mutant("reuse_confidence", "ReSTIRReuse"):
+        code, found = record(out, scene_file, "graphs/restir_pt.py", "--frames", "4", "--runs", "64")
     assert code == 1 and found["biased"]
 
 

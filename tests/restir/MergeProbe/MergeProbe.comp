@@ -14,7 +14,7 @@ float stored_target(uint j, LightPoint y)
     Surface then = load_surface(primary_hit(merge.surfaces, merge.pixel[j]), merge.previous);
     vec3 camera = merge.previous ? frame.c.previousCamera.position : frame.c.camera.position;
     ShadingPoint point = shade_surface(then, normalize(camera - then.position));
-    return evaluate_target(Domain(point, ray_end(today), merge.previous), y, true);
+    return evaluate_target(Domain(point, ray_end(today), merge.previous), y);
 }
 
 /// Sum of the weights of the point that `holder` holds with the given target.

@@ -19,14 +19,9 @@ public:
         io.output("temporal", temporal_, image(2), meaning + "temporal reuse");
         io.output("spatial", spatial_, image(2), meaning + "spatial reuse");
         io.knob("pairwise", pairwise_, "weights of spatial reuse");
-        io.knob("fault", fault_, 0, FAULT_MIXTURE, "FAULT_* to build in");
-        io.structural();
     }
 
-    void build(Device& device) override
-    {
-        kernel_ = Kernel(device, passFile("MergeProbe.comp"), {{"RESTIRPG_FAULT", std::to_string(fault_) + "u"}});
-    }
+    void build(Device& device) override { kernel_ = Kernel(device, passFile("MergeProbe.comp")); }
 
     void record(Frame& frame) override
     {
@@ -54,7 +49,6 @@ private:
     In<Buffer> surface_, previousSurface_, motion_, reservoirs_, history_;
     Out<Buffer> temporal_, spatial_;
     bool pairwise_ = true;
-    uint32_t fault_ = FAULT_NONE;
     Kernel kernel_;
 };
 

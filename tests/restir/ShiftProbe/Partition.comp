@@ -39,8 +39,7 @@ float temporal_sum(PathReservoir y, float there, PathReservoir source, float jac
 {
     float capped = min(held[0].confidence, CAP * confidence);
     float sum = present_share(y, there, confidence, capped);
-    float history_confidence = RESTIRPG_FAULT == REUSE_FAULT_CAP ? held[0].confidence : capped;
-    return jacobian > 0.0 ? sum + history_share(source, y, jacobian, confidence, history_confidence) : sum;
+    return jacobian > 0.0 ? sum + history_share(source, y, jacobian, confidence, capped) : sum;
 }
 
 /// Spatial reuse: what pair i leaves to this pixel of its path y, and the weight of the pair, which holds `source`.

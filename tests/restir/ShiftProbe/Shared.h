@@ -17,7 +17,6 @@ struct ShiftProbeParameters {
     Address history;  ///< PathReservoir per pixel, one frame ago
     Address result;  ///< vec4 per pixel
     uint way;  ///< WAY_*
-    uint fault;  ///< REUSE_FAULT_*
 };
 
 // How a round trip ends.

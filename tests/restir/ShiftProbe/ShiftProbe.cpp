@@ -2,6 +2,7 @@
 #include "Shared.h"
 #include "render/frame.h"
 
+#include <algorithm>
 #include <array>
 
 namespace restirpg {
@@ -27,14 +28,13 @@ public:
             "how far from 1 the weights of own and of others' paths add up to, and how many were tried: ";
         io.output("spatial_sums", sums_[WAY_NEIGHBOUR], image(4), sums + "spatial reuse");
         io.output("temporal_sums", sums_[WAY_PREVIOUS], image(4), sums + "temporal reuse");
-        io.knob("fault", fault_, 0, REUSE_FAULT_SHARP_DENSITY, "REUSE_FAULT_* to build in");
     }
 
     void build(Device& device) override
     {
-        roundTrip_ = Kernel(device, passFile("RoundTrip.comp"));
-        jacobian_ = Kernel(device, passFile("Jacobian.comp"));
-        partition_ = Kernel(device, passFile("Partition.comp"));
+        roundTrip_ = Kernel(device, passFile("RoundTrip.comp"), {}, {}, compileIf(isWired(trips_)));
+        jacobian_ = Kernel(device, passFile("Jacobian.comp"), {}, {}, compileIf(isWired(jacobians_)));
+        partition_ = Kernel(device, passFile("Partition.comp"), {}, {}, compileIf(isWired(sums_)));
     }
 
     void record(Frame& frame) override
@@ -47,6 +47,11 @@ public:
     }
 
 private:
+    static bool isWired(const std::array<Out<Buffer>, 3>& outputs)
+    {
+        return std::any_of(outputs.begin(), outputs.end(), [](const auto& output) { return bool(output); });
+    }
+
     void run(Frame& frame, const Kernel& kernel, const Out<Buffer>& result, uint32_t way)
     {
         if (!result)
@@ -56,12 +61,11 @@ private:
         else
             frame.dispatchPixels(kernel, ShiftProbeParameters{frame.constants(), surface_->address(),
                                                               previousSurface_->address(), reservoirs_->address(),
-                                                              history_->address(), result->address(), way, fault_});
+                                                              history_->address(), result->address(), way});
     }
 
     In<Buffer> surface_, previousSurface_, reservoirs_, history_;
     std::array<Out<Buffer>, 3> trips_, jacobians_, sums_;  ///< by WAY_*
-    uint32_t fault_ = REUSE_FAULT_NONE;
     Kernel roundTrip_, jacobian_, partition_;
 };
 

@@ -7,8 +7,6 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { ShiftProbeParameters params; };
 
-// Known at run time only: these kernels take long to compile.
-#define RESTIRPG_FAULT params.fault
 #include "../../../passes/ReSTIRReuse/merge.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Vec4Array { vec4 at[]; };
