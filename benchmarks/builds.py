@@ -3,13 +3,14 @@
 
     benchmarks/builds.py OLD_BUILD NEW_BUILD [--pairs 5] [--graphs ...] [--scenes ...] [--size 160x90] [--frames 8]
 
-OLD_BUILD and NEW_BUILD are build folders, the old one of another clone or worktree. The builds take turns (old, new, old, new ...), so
-that what else the machine does meets both; each turn is a process of its own. Before the first turn each build runs once uncounted, which
-fills the caches. A ratio is old time over new time of one pair: above 1 the new build is faster. Of the ratios the table has the
-geometric mean and, as spread, the factor of one standard error of that mean.
+OLD_BUILD and NEW_BUILD are build folders, the old one of another clone or worktree. The builds take turns (old, new,
+old, new ...), so that what else the machine does meets both; each turn is a process of its own. Before the first turn
+each build runs once uncounted, which fills the caches. A ratio is old time over new time of one pair: above 1 the new
+build is faster. Of the ratios the table has the geometric mean and, as spread, the factor of one standard error of that
+mean.
 
-Rows: `start`: making a renderer, warm caches; `second`: another one in the same process; `frame`: all passes (both of them CPU seconds of
-the process and wall time); one row a pass, by the device's timestamps.
+Rows: `start`: making a renderer, warm caches; `second`: another one in the same process; `frame`: all passes (both of
+them CPU seconds of the process and wall time); one row a pass, by the device's timestamps.
 """
 
 import argparse
@@ -82,7 +83,9 @@ def compare(pairs):
         if not logs:
             continue
         error = statistics.stdev(logs) / math.sqrt(len(logs)) if len(logs) > 1 else math.nan
-        rows.append((name, statistics.median(old), statistics.median(new), math.exp(statistics.mean(logs)), math.exp(error)))
+        rows.append(
+            (name, statistics.median(old), statistics.median(new), math.exp(statistics.mean(logs)), math.exp(error))
+        )
     return rows
 
 

@@ -18,13 +18,13 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
-GRAPHS = ROOT / "graphs"
-
 from restirpg.harness import UserError, program, render
 from restirpg.harness.guiding import passes_of
 from restirpg.harness.jobs import parse_method
 from restirpg.harness.statistics import ratio
+
+ROOT = Path(__file__).resolve().parents[1]
+GRAPHS = ROOT / "graphs"
 
 COLUMNS = ("frame", "mean", "candidates")
 ALONE = "candidates without reuse"  # a pass
@@ -39,7 +39,9 @@ def parse():
     parser.add_argument("--size", type=program.size, default=(96, 54), help="pixels (96x54)")
     parser.add_argument("--bounces", type=program.bounces, default=4, help="(%(default)s)")
     for name, number in (("frames", 24), ("skip", 8), ("seeds", 4), ("reference-frames", 3000)):
-        parser.add_argument(f"--{name}", type=program.whole(0 if name == "skip" else 1), default=number, help="(%(default)s)")
+        parser.add_argument(
+            f"--{name}", type=program.whole(0 if name == "skip" else 1), default=number, help="(%(default)s)"
+        )
     return parser.parse_args()
 
 
@@ -74,9 +76,15 @@ def make_method(arguments, scene, method):
     graph = render.describe_graph(method.graph)
     gbuffer, direct, paths, reuse = passes_of(graph, "GBuffer", "ReSTIRDI", "PathTracerGuided", "ReSTIRReuse")
     inputs = {"surface": {"pass": gbuffer, "output": "surface"}, "candidates": {"pass": paths, "output": "candidates"}}
-    graph["passes"].append({"name": ALONE, "type": "ReSTIRReuse", "inputs": inputs, "knobs": {"temporal": False, "rounds": 0}})
-    shown = {"direct": (direct, "radiance"), "emission": (gbuffer, "emission"), "resampled": (reuse, "radiance"),
-             "candidates": (ALONE, "radiance")}
+    graph["passes"].append(
+        {"name": ALONE, "type": "ReSTIRReuse", "inputs": inputs, "knobs": {"temporal": False, "rounds": 0}}
+    )
+    shown = {
+        "direct": (direct, "radiance"),
+        "emission": (gbuffer, "emission"),
+        "resampled": (reuse, "radiance"),
+        "candidates": (ALONE, "radiance"),
+    }
     graph["outputs"] += [{"name": name, "pass": owner, "output": output} for name, (owner, output) in shown.items()]
     renderer = make_renderer(arguments, scene, graph)
     for knob, value in method.knobs:
@@ -111,8 +119,10 @@ def describe(errors, first):
     root = np.sqrt(len(errors))
     for name, error, before in zip(COLUMNS, errors.T, first.T):
         quotient, se = ratio(error, before)
-        yield (f"{name} {error.mean():.4f} +- {error.std(ddof=1) / root:.4f} "
-               f"({100 * (quotient - 1):+.1f} +- {100 * se:.1f}%)")
+        yield (
+            f"{name} {error.mean():.4f} +- {error.std(ddof=1) / root:.4f} "
+            f"({100 * (quotient - 1):+.1f} +- {100 * se:.1f}%)"
+        )
 
 
 def sweep(arguments):
@@ -125,8 +135,9 @@ def sweep(arguments):
     first = None
     for text, method in zip(arguments.graphs, methods):
         renderer = make_method(arguments, scene, method)
-        errors = np.array([errors_of_run(arguments, renderer, 7919 * (i + 1), reference)
-                           for i in range(arguments.seeds)])
+        errors = np.array(
+            [errors_of_run(arguments, renderer, 7919 * (i + 1), reference) for i in range(arguments.seeds)]
+        )
         first = errors if first is None else first
         print(f"{text}: {', '.join(describe(errors, first))}", flush=True)
 

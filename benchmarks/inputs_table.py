@@ -11,11 +11,11 @@ import csv
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-
 from shared_inputs import Fault, Refused, is_right, measure, rows, shared_folder
 
 from restirpg.harness.report import commit
+
+ROOT = Path(__file__).resolve().parents[1]
 
 RESULTS = ROOT / "benchmarks" / "results"
 HEAD = """# The inputs of ../shared/inputs

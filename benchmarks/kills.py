@@ -25,9 +25,9 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-
 from restirpg.harness import UserError, files, program, render, scenes
+
+ROOT = Path(__file__).resolve().parents[1]
 
 SMALL = ["--size", "16x9", "--frames", "2", "--seeds", "2", "--reference-frames", "8", "--reference-batches", "2"]
 
@@ -35,14 +35,36 @@ SMALL = ["--size", "16x9", "--frames", "2", "--seeds", "2", "--reference-frames"
 def render_command(scene, folder):
     """A picture as EXR and PNG."""
     binary = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build")) / "bin" / "restirpg"
-    return [str(binary), "render", str(ROOT / "graphs" / "restir_pt.py"), "--scene", scene, "--size", "32x18", "--frames",
-            "32", "-o", str(folder / "image.exr"), "--png", str(folder / "image.png")]
+    return [
+        str(binary),
+        "render",
+        str(ROOT / "graphs" / "restir_pt.py"),
+        "--scene",
+        scene,
+        "--size",
+        "32x18",
+        "--frames",
+        "32",
+        "-o",
+        str(folder / "image.exr"),
+        "--png",
+        str(folder / "image.png"),
+    ]
 
 
 def compare_command(scene, folder):
     """Two methods, their runs, references and pictures."""
     graphs = [str(ROOT / "graphs" / name) for name in ("path_tracer.py", "restir_di.py")]
-    return [sys.executable, str(ROOT / "scripts" / "compare.py"), *graphs, "--scenes", scene, *SMALL, "--out", str(folder)]
+    return [
+        sys.executable,
+        str(ROOT / "scripts" / "compare.py"),
+        *graphs,
+        "--scenes",
+        scene,
+        *SMALL,
+        "--out",
+        str(folder),
+    ]
 
 
 def reproduce_command(scene, folder):
@@ -86,8 +108,9 @@ class Outcome:
 @contextlib.contextmanager
 def started(command, environment):
     """The command in a process group of its own, which is killed at the end if it still runs."""
-    process = subprocess.Popen(command, env=environment, start_new_session=True, stdout=subprocess.DEVNULL,
-                               stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        command, env=environment, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    )
     try:
         yield process
     finally:
@@ -174,16 +197,26 @@ def main(arguments):
         def environment(folder):
             return {**os.environ, "RESTIRPG_CACHE_DIR": str((out if options.warm else folder) / "kernels")}
 
-        lines = ["| program | undisturbed | files compared | kills | rounds | rounds that differ or fail |",
-                 "| --- | --- | --- | --- | --- | --- |"]
+        lines = [
+            "| program | undisturbed | files compared | kills | rounds | rounds that differ or fail |",
+            "| --- | --- | --- | --- | --- | --- |",
+        ]
         wrong = []
         for number, case in enumerate(options.cases):
             share = options.kills // len(options.cases) + (number < options.kills % len(options.cases))
-            outcome = torture(lambda folder: COMMANDS[case](scene, folder), out / case, share,  # noqa: B023
-                              random.Random(f"{options.seed} {case}"), numbers_in, environment)
+            outcome = torture(
+                lambda folder: COMMANDS[case](scene, folder),  # noqa: B023  (called before the next case)
+                out / case,
+                share,
+                random.Random(f"{options.seed} {case}"),
+                numbers_in,
+                environment,
+            )
             wrong += [f"{case}, {line}" for line in outcome.wrong]
-            lines.append(f"| {case} | {outcome.seconds:.1f} s | {outcome.numbers} | {outcome.kills} | {outcome.rounds} "
-                         f"| {len(outcome.wrong)} |")
+            lines.append(
+                f"| {case} | {outcome.seconds:.1f} s | {outcome.numbers} | {outcome.kills} | {outcome.rounds} "
+                f"| {len(outcome.wrong)} |"
+            )
             print(lines[-1], flush=True)
         if options.markdown:
             files.write(options.markdown, "\n".join(lines) + "\n")

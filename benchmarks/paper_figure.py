@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Figure 1 of the paper from a finished scene of benchmarks/paper_size.py: the whole picture, and crops by every method.
+"""Figure 1 of the paper from a finished scene of benchmarks/paper_size.py: the whole picture, and crops by every
+method.
 
     benchmarks/paper_figure.py out/paper_size/SCENE --scene SCENE.glb --crop X,Y --crop X,Y [--side 216] [--png FILE]
 
@@ -34,7 +35,9 @@ def parse(arguments):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="of the scene's report, with images/ and tiles.csv")
     parser.add_argument("--scene", required=True, help="its file")
-    parser.add_argument("--crop", required=True, action="append", metavar="X,Y", help="left upper corner of a crop, two in all")
+    parser.add_argument(
+        "--crop", required=True, action="append", metavar="X,Y", help="left upper corner of a crop, two in all"
+    )
     parser.add_argument("--side", type=int, default=216, help="of the crops, in pixels (%(default)s)")
     parser.add_argument("--bounces", type=int, required=True, help="bounce cap of the reference")
     parser.add_argument("--frames", type=int, default=256, help="of the reference (%(default)s)")
@@ -47,7 +50,9 @@ def render_reference(options, corners, size):
     scene = restirpg.load_scene(options.scene)
     graph = restirpg.load_graph(ROOT / "graphs/restir_pg.py")
     image = np.zeros((size[1], size[0], 3), np.float32)
-    with restirpg.Renderer(scene, graph, size=size, seed=20202, window=(*corners[0], options.side, options.side)) as renderer:
+    with restirpg.Renderer(
+        scene, graph, size=size, seed=20202, window=(*corners[0], options.side, options.side)
+    ) as renderer:
         renderer.set_everywhere("bounces", options.bounces)
         for x, y in corners:
             renderer.move_window(x, y)
@@ -60,10 +65,15 @@ def draw(options):
     """Write the figure."""
     corners = [tuple(map(int, crop.split(","))) for crop in options.crop]
     with open(options.folder / "tiles.csv", newline="") as stream:
-        error = {row["method"]: f"{100 * float(row['mape']):.1f} ± {100 * float(row['mape_se']):.1f}%" for row in csv.DictReader(stream)}
+        error = {
+            row["method"]: f"{100 * float(row['mape']):.1f} ± {100 * float(row['mape_se']):.1f}%"
+            for row in csv.DictReader(stream)
+        }
     name = Path(options.scene).stem
     columns = [
-        pictures.Picture(title, restirpg.read_exr(options.folder / "images" / f"{name}.{method}.whole.exr"), error[method])
+        pictures.Picture(
+            title, restirpg.read_exr(options.folder / "images" / f"{name}.{method}.whole.exr"), error[method]
+        )
         for method, title in NAMES.items()
         if method in error
     ]

@@ -4,10 +4,10 @@
     benchmarks/paper_size.py SCENE[@WxH]... [--out out/paper_size] [further options of scripts/compare.py]
     benchmarks/paper_size.py --collect out/paper_size --results benchmarks/results/paper_size
 
-The first line is scripts/compare.py with the options below on each scene in turn. The reference is rendered, and errors are
-measured, in random tiles alone. Finished runs are kept in OUT/cache, one a (scene, method, seed), each under a
-checksum: the same command goes on where it was interrupted, and another number of --reference-frames takes no
-run again. The second line writes summary.csv and tables.md from all scenes that are finished. Exit code: as
+The first line is scripts/compare.py with the options below on each scene in turn. The reference is rendered, and errors
+are measured, in random tiles alone. Finished runs are kept in OUT/cache, one a (scene, method, seed), each under a
+checksum: the same command goes on where it was interrupted, and another number of --reference-frames takes no run
+again. The second line writes summary.csv and tables.md from all scenes that are finished. Exit code: as
 scripts/compare.py.
 """
 
@@ -36,7 +36,9 @@ def parse(arguments):
     parser.add_argument("--out", default="out/paper_size", help="folder of runs and reports (%(default)s)")
     parser.add_argument("--device", metavar="NAME", help="what renders the methods (the best device)")
     parser.add_argument("--collect", metavar="FOLDER", help="write the table of what is finished there")
-    parser.add_argument("--results", default="benchmarks/results/paper_size", help="where --collect writes (%(default)s)")
+    parser.add_argument(
+        "--results", default="benchmarks/results/paper_size", help="where --collect writes (%(default)s)"
+    )
     return parser.parse_known_args(arguments)
 
 
@@ -48,7 +50,16 @@ def record(options, further):
         out = Path(options.out)
         device = f",device={options.device}" if options.device else ""
         graphs = [f"{ROOT / 'graphs' / name}.py@label={name}{device}" for name in GRAPHS]
-        own = ["--scenes", scene, "--size", size or SIZE, "--out", str(out / Path(scene).stem), "--cache", str(out / "cache")]
+        own = [
+            "--scenes",
+            scene,
+            "--size",
+            size or SIZE,
+            "--out",
+            str(out / Path(scene).stem),
+            "--cache",
+            str(out / "cache"),
+        ]
         code = compare.main([*graphs, *own, *OPTIONS, *further])
         worst = max(worst, code)
         if code > 1:
@@ -103,7 +114,14 @@ def as_markdown(scenes):
             error = " ± ".join(f"{100 * value[key]:.2f}" for key in ("mape", "mape_se", "mape_reference_se"))
             change = " ± ".join(f"{100 * value[key]:.2f}" for key in ("change", "change_se", "change_reference_se"))
             tested = name != FIRST
-            cells = [scene, name, f"{error}%", f"{change}%" if tested else "", f"{value['p']:.1g}" if tested else "", f"{value['gpu_ms'] / 1e3:.1f}"]
+            cells = [
+                scene,
+                name,
+                f"{error}%",
+                f"{change}%" if tested else "",
+                f"{value['p']:.1g}" if tested else "",
+                f"{value['gpu_ms'] / 1e3:.1f}",
+            ]
             lines.append(f"| {' | '.join(cells)} |")
     return "\n".join([*lines, "", *(f"- {sentence(scene, methods)}" for scene, methods in scenes.items())]) + "\n"
 
@@ -129,7 +147,10 @@ def main(arguments):
     if options.collect:
         return program.run("paper_size.py", lambda display: collect(options.collect, options.results))
     if not options.scenes:
-        print("paper_size.py: no scene given; name one or more, as in benchmarks/paper_size.py veach_ajar.glb", file=sys.stderr)
+        print(
+            "paper_size.py: no scene given; name one or more, as in benchmarks/paper_size.py veach_ajar.glb",
+            file=sys.stderr,
+        )
         return 2
     return record(options, further)
 

@@ -5,9 +5,9 @@ beyond rendering.
     PYTHONPATH=scripts benchmarks/viewer.py --scene FILE [--graph FILE ...] [--size WxH ...] [--seconds 20]
     PYTHONPATH=scripts benchmarks/viewer.py --scene FILE [--graph FILE ...] [--size WxH] --monkey 600 [--seed 1]
 
-A tab over the loopback network that shows each picture at once, as a browser does but for decoding and drawing, turns the
-camera now and then. Printed is one row of a table for each graph and size. With --monkey the graphs are looked at together
-under random input (viewer_monkey.py) for so many seconds; the exit code is 1 where it found a fault.
+A tab over the loopback network that shows each picture at once, as a browser does but for decoding and drawing, turns
+the camera now and then. Printed is one row of a table for each graph and size. With --monkey the graphs are looked at
+together under random input (viewer_monkey.py) for so many seconds; the exit code is 1 where it found a fault.
 """
 
 import argparse
@@ -20,9 +20,9 @@ import time
 from pathlib import Path
 
 import aiohttp
+import viewer_monkey
 
 import restirpg
-import viewer_monkey
 from restirpg.harness import program
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -39,7 +39,7 @@ async def measure(url, seconds):
                 continue
             now = time.perf_counter()
             (length,) = struct.unpack("<I", message.data[:4])
-            header = json.loads(message.data[4:4 + length])
+            header = json.loads(message.data[4 : 4 + length])
             await socket.send_json({"do": "shown"})
             if start is None and number < 2 * BETWEEN:  # the first frames compile kernels
                 number += 1
@@ -76,8 +76,10 @@ def row(graph, size, scene, seconds):
     showing = statistics.median(header["view_milliseconds"] for header in headers)
     bytes_a_frame = statistics.median(header["sizes"][0] for header in headers)
     latency = statistics.median(latencies) * 1000
-    return (f"| {Path(graph).stem} | {size[0]}x{size[1]} | {rate:.1f} | {latency:.0f} | {rendering:.1f} | {showing:.1f} | "
-            f"{cpu:.1f} | {bytes_a_frame / 1000:.0f} |")
+    return (
+        f"| {Path(graph).stem} | {size[0]}x{size[1]} | {rate:.1f} | {latency:.0f} | {rendering:.1f} | {showing:.1f} | "
+        f"{cpu:.1f} | {bytes_a_frame / 1000:.0f} |"
+    )
 
 
 def play(graphs, size, scene, seconds, seed):
@@ -104,7 +106,9 @@ def main():
     graphs = arguments.graph or [str(ROOT / "graphs" / "path_tracer.py"), str(ROOT / "graphs" / "restir_pg.py")]
     if arguments.monkey:
         return play(graphs, (arguments.size or [(64, 36)])[0], scene, arguments.monkey, arguments.seed)
-    print("| graph | size | frames/s | input to picture, ms | rendering, ms | picture and JPEG, ms | of it CPU, ms | kB a frame |")
+    print(
+        "| graph | size | frames/s | input to picture, ms | rendering, ms | picture and JPEG, ms | of it CPU, ms | kB a frame |"
+    )
     print("| --- " * 8 + "|")
     for graph in graphs:
         for size in arguments.size or [(320, 180), (640, 360)]:

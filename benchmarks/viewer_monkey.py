@@ -1,5 +1,5 @@
-"""A seeded monkey at the live viewer: random input over its WebSocket, right, wrong and absurd; it fails where a queue grows,
-memory grows, or an exception is not a refusal. `benchmarks/viewer.py --monkey SECONDS` runs it."""
+"""A seeded monkey at the live viewer: random input over its WebSocket, right, wrong and absurd; it fails where a queue
+grows, memory grows, or an exception is not a refusal. `benchmarks/viewer.py --monkey SECONDS` runs it."""
 
 import asyncio
 import random
@@ -10,18 +10,52 @@ from pathlib import Path
 
 import aiohttp
 
-VALUES = [0, 1, -1, 2, 0.5, 1e30, "x", None, True, False, [], {}, -7, "paths.bounces", "gbuffer.depth", "image", "error", "traced", "none"]
+VALUES = [
+    0,
+    1,
+    -1,
+    2,
+    0.5,
+    1e30,
+    "x",
+    None,
+    True,
+    False,
+    [],
+    {},
+    -7,
+    "paths.bounces",
+    "gbuffer.depth",
+    "image",
+    "error",
+    "traced",
+    "none",
+]
 KEYS = {"orbit": "xy", "look": "xy", "pan": "xy", "fly": "xyz", "dolly": ["amount"], "zoom": ["factor"], "focus": "xy",
         "pose": ["position", "target", "up", "yfov"], "home": "", "camera": ["number"], "play": ["on"], "step": "", "restart": "",
         "keep": ["on"], "exposure": ["stops"], "view": ["name"], "set": ["pane", "knob", "value"], "reset": ["pane"],
         "show": ["pane", "port"], "seed": ["value"], "time": ["seconds"], "speed": ["factor"], "reference": ["source"],
         "film": ["frames", "kind"], "inspect": "xy", "visible": ["on"], "shown": "", "nothing": "a"}  # fmt: skip
-TAME = [{"do": "visible", "on": True}, {"do": "shown"}, {"do": "home"}, {"do": "keep", "on": False}, {"do": "reset", "pane": 0},
-        {"do": "exposure", "stops": 0}, {"do": "view", "name": "image"}, {"do": "reference", "source": "none"},
-        {"do": "film", "frames": 0, "kind": "png"}, {"do": "show", "pane": 0, "port": None}, {"do": "speed", "factor": 0},
-        {"do": "time", "seconds": 0}, {"do": "play", "on": True}, {"do": "seed", "value": 0, "id": 12345}]
+TAME = [
+    {"do": "visible", "on": True},
+    {"do": "shown"},
+    {"do": "home"},
+    {"do": "keep", "on": False},
+    {"do": "reset", "pane": 0},
+    {"do": "exposure", "stops": 0},
+    {"do": "view", "name": "image"},
+    {"do": "reference", "source": "none"},
+    {"do": "film", "frames": 0, "kind": "png"},
+    {"do": "show", "pane": 0, "port": None},
+    {"do": "speed", "factor": 0},
+    {"do": "time", "seconds": 0},
+    {"do": "play", "on": True},
+    {"do": "seed", "value": 0, "id": 12345},
+]
 BETWEEN = 0.02  # s from one message to the next
-UNEXPECTED = re.compile(r"^[A-Z]\w*(Error|Exception|Exit|Warning): ")  # how the viewer tells an exception that is no refusal
+UNEXPECTED = re.compile(
+    r"^[A-Z]\w*(Error|Exception|Exit|Warning): "
+)  # how the viewer tells an exception that is no refusal
 GROWTH = 1.1  # of resident memory from the first quarter on, with which a run still passes
 _ALLOWANCE = 64  # MB, besides
 
@@ -63,8 +97,10 @@ async def _play(viewer, seconds, seed):
     faults, memory, queues, seen = [], [], [], {"messages": 0, "pictures": 0, "refusals": 0}
     dice, start, noted = random.Random(seed), time.monotonic(), 0.0
     async with aiohttp.ClientSession() as session, session.ws_connect(viewer.url + "live", max_msg_size=0) as socket:
-        tasks = [asyncio.ensure_future(_read(socket, faults, seen)),
-                 asyncio.ensure_future(_watch_now_and_then(session, viewer.url, random.Random(seed + 1)))]
+        tasks = [
+            asyncio.ensure_future(_read(socket, faults, seen)),
+            asyncio.ensure_future(_watch_now_and_then(session, viewer.url, random.Random(seed + 1))),
+        ]
         while (passed := time.monotonic() - start) < seconds:
             await socket.send_json(message(dice))
             seen["messages"] += 1
@@ -91,7 +127,7 @@ def run(viewer, seconds, seed):
     """(faults: a list of sentences, a line of numbers) of a monkey at a running viewer."""
     faults, memory, queues, seen = asyncio.run(_play(viewer, seconds, seed))
     quarter = max(1, len(memory) // 4)
-    early, late = statistics.median(memory[quarter:2 * quarter] or memory), statistics.median(memory[-quarter:])
+    early, late = statistics.median(memory[quarter : 2 * quarter] or memory), statistics.median(memory[-quarter:])
     if late > GROWTH * early + _ALLOWANCE:
         faults.append(f"memory has grown from {early:.0f} to {late:.0f} MB")
     if (left := viewer.rendering.waiting()) > 10:
@@ -99,5 +135,7 @@ def run(viewer, seconds, seed):
     if not viewer.rendering.is_alive():
         faults.append("the render thread has ended")
     told = ", ".join(f"{count} {name}" for name, count in seen.items())
-    return faults, (f"{seconds:.0f} s, seed {seed}: {told}; memory {early:.0f} MB in the second quarter, {late:.0f} MB in the last; "
-                    f"commands waiting: at most {max(queues, default=0)}, {left} at the end")
+    return faults, (
+        f"{seconds:.0f} s, seed {seed}: {told}; memory {early:.0f} MB in the second quarter, {late:.0f} MB in the last; "
+        f"commands waiting: at most {max(queues, default=0)}, {left} at the end"
+    )

@@ -1,4 +1,5 @@
-"""ReSTIR DI for direct light, ReSTIR PT for the rest: the pipeline that the methods share. Methods differ in its arguments.
+"""ReSTIR DI for direct light, ReSTIR PT for the rest: the pipeline that the methods share. Methods differ in its
+arguments.
 
 The tracing pass is always called `paths`.
 """
@@ -6,48 +7,98 @@ The tracing pass is always called `paths`.
 from restirpg import Graph, prev
 
 
-def pipeline(name="ReSTIR PT", bounces=8, temporal=True, rounds=1, train=None, cells="world", splat={},
-             fit={}, reuse={}, trees=1, guided_bounces=64, show="resampled"):
+def pipeline(
+    name="ReSTIR PT",
+    bounces=8,
+    temporal=True,
+    rounds=1,
+    train=None,
+    cells="world",
+    splat={},
+    fit={},
+    reuse={},
+    trees=1,
+    guided_bounces=64,
+    show="resampled",
+):
     """The graph.
 
     temporal, rounds: reuse over frames, and rounds of reuse over pixels, for direct and indirect light alike.
     train: what the guide of the initial paths learns from, if there is one: "selected", the paths that resampling has
-    selected; "temporal", those that a resampling over frames alone would have selected, done beside it; "candidates", those
-    it chose from; "raw", all bounces of the candidates' path trees, weighted by the light that came back.
-    cells: where the guide is kept: "world", in the hash grid; "screen", a lobe per pixel, which learns from "raw" alone.
-    splat, fit: knobs of the guide's passes; in screen space there is only a fit.
-    reuse: knobs of the resampling of paths.
-    trees: path trees per pixel, of which one path is resampled.
-    guided_bounces: bounces from the primary hit on that the guide draws, and learns from.
-    show: "resampled", or "candidates": the indirect light of the initial paths alone, guided if there is a guide.
+    selected; "temporal", those that a resampling over frames alone would have selected, done beside it; "candidates",
+    those it chose from; "raw", all bounces of the candidates' path trees, weighted by the light that came back. cells:
+    where the guide is kept: "world", in the hash grid; "screen", a lobe per pixel, which learns from "raw" alone.
+    splat, fit: knobs of the guide's passes; in screen space there is only a fit. reuse: knobs of the resampling of
+    paths. trees: path trees per pixel, of which one path is resampled. guided_bounces: bounces from the primary hit on
+    that the guide draws, and learns from. show: "resampled", or "candidates": the indirect light of the initial paths
+    alone, guided if there is a guide.
     """
     if cells == "screen" and train != "raw":
         raise ValueError(f'a guide in screen space learns from train="raw" alone, not from {train!r}')
     g = Graph(name)
     gbuffer = g.add("gbuffer", "GBuffer", jitter=False)
     before = {"motion": gbuffer.motion, "previous_surface": prev("gbuffer.surface")}
-    direct = g.add("direct", "ReSTIRDI", surface=gbuffer.surface, history=prev("direct.reservoirs"),
-                   temporal=temporal, rounds=rounds, **before)
+    direct = g.add(
+        "direct",
+        "ReSTIRDI",
+        surface=gbuffer.surface,
+        history=prev("direct.reservoirs"),
+        temporal=temporal,
+        rounds=rounds,
+        **before,
+    )
     guide = prev("fit.guide") if train else None
     if cells == "screen":
-        guide = g.add("guide", "GuidingScreen", surface=gbuffer.surface, samples=prev("paths.samples"),
-                      history=prev("guide.statistics"), **before, **fit).guide
-    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=bounces, trees=trees, guided_bounces=guided_bounces, guide=guide)
+        guide = g.add(
+            "guide",
+            "GuidingScreen",
+            surface=gbuffer.surface,
+            samples=prev("paths.samples"),
+            history=prev("guide.statistics"),
+            **before,
+            **fit,
+        ).guide
+    paths = g.add(
+        "paths",
+        "PathTracerGuided",
+        surface=gbuffer.surface,
+        bounces=bounces,
+        trees=trees,
+        guided_bounces=guided_bounces,
+        guide=guide,
+    )
 
     def resample(name, learned, **knobs):
         vertices = {"candidate_vertices": paths.vertices, "history_vertices": prev(f"{name}.vertices")}
-        return g.add(name, "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates,
-                     history=prev(f"{name}.reservoirs"), **knobs, **before, **(vertices if learned else {}))
+        return g.add(
+            name,
+            "ReSTIRReuse",
+            surface=gbuffer.surface,
+            candidates=paths.candidates,
+            history=prev(f"{name}.reservoirs"),
+            **knobs,
+            **before,
+            **(vertices if learned else {}),
+        )
 
     resampled = resample("reuse", train == "selected", temporal=temporal, rounds=rounds, **reuse)
     if train and cells == "world":
-        lessons = {"selected": lambda: {"vertices": resampled.vertices}, "candidates": lambda: {"vertices": paths.vertices},
-                   "temporal": lambda: {"vertices": resample("teacher", True, rounds=0).vertices},
-                   "raw": lambda: {"samples": paths.samples}}[train]()
+        lessons = {
+            "selected": lambda: {"vertices": resampled.vertices},
+            "candidates": lambda: {"vertices": paths.vertices},
+            "temporal": lambda: {"vertices": resample("teacher", True, rounds=0).vertices},
+            "raw": lambda: {"samples": paths.samples},
+        }[train]()
         statistics = g.add("splat", "GuidingSplat", guide=prev("fit.guide"), **lessons, **splat)
         g.add("fit", "GuidingFit", statistics=statistics.statistics, history=prev("fit.guide"), **fit)
-    image = g.add("accumulate", "Accumulate", direct=direct.radiance, indirect=resampled.radiance if show == "resampled" else paths.radiance,
-                  emission=gbuffer.emission, history=prev("accumulate.sums"))
+    image = g.add(
+        "accumulate",
+        "Accumulate",
+        direct=direct.radiance,
+        indirect=resampled.radiance if show == "resampled" else paths.radiance,
+        emission=gbuffer.emission,
+        history=prev("accumulate.sums"),
+    )
     g.output("image", image.mean)
     g.output("variance", image.variance)
     g.output("invalid", image.invalid)

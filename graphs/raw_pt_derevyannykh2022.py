@@ -6,5 +6,6 @@ hit. The settings are the best of benchmarks/results/derevyannykh2022_sweep.md.
 
 from pipeline import pipeline
 
-graph = pipeline("Derevyannykh 2022 on raw samples", train="raw", cells="screen",
-                 fit={"product": True, "neighbours": 24})
+graph = pipeline(
+    "Derevyannykh 2022 on raw samples", train="raw", cells="screen", fit={"product": True, "neighbours": 24}
+)

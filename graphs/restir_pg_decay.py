@@ -1,4 +1,5 @@
-"""ReSTIR PG with a memory: statistics of earlier frames count, by 0.9 a frame. Not in the paper, whose frames have enough samples.
+"""ReSTIR PG with a memory: statistics of earlier frames count, by 0.9 a frame. Not in the paper, whose frames have
+enough samples.
 
 In a small image a cell sees few different paths a frame (benchmarks/results/restir_pg.md).
 """

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Reproduce the paper's evaluation from a clone: `scripts/reproduce.py --help`. The program is restirpg/harness/reproduce.py."""
+"""Reproduce the paper's evaluation from a clone: `scripts/reproduce.py --help`. The program is
+restirpg/harness/reproduce.py."""
 # PYTHON_ARGCOMPLETE_OK
 
 import sys

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Look at a scene through graphs, live in a browser, from a clone: `scripts/view.py --help`. The program is restirpg/viewer/start.py."""
+"""Look at a scene through graphs, live in a browser, from a clone: `scripts/view.py --help`. The program is
+restirpg/viewer/start.py."""
 # PYTHON_ARGCOMPLETE_OK
 
 import sys

@@ -17,9 +17,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-
 from restirpg.harness import cell_counts, files, program, render, scenes
+
+ROOT = Path(__file__).resolve().parents[2]
 
 SCENES = ["door_ajar", "door_ajar_diffuse", "bidirectional_room", "living_room", "temple"]
 GRAPH = str(ROOT / "graphs" / "restir_pg.py")
@@ -27,9 +27,7 @@ GRAPH = str(ROOT / "graphs" / "restir_pg.py")
 
 def parse():
     """The command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scene", nargs="+", default=SCENES)
     parser.add_argument("--size", type=program.size, default=(160, 90))
     parser.add_argument("--markdown", type=Path)

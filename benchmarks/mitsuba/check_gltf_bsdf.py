@@ -58,19 +58,31 @@ def chi_square(bsdf, cosine):
     def density(w):
         return bsdf.pdf(context, interaction(cosine, dr.width(w)), w, mi.Bool(True))
 
-    test = mi.chi2.ChiSquareTest(domain=mi.chi2.SphericalDomain(), sample_func=sample, pdf_func=density, sample_dim=3,
-                                 sample_count=1 << 20, res=101, ires=16)
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.chdir(tempfile.gettempdir()):  # run() writes a file and a log
+    test = mi.chi2.ChiSquareTest(
+        domain=mi.chi2.SphericalDomain(),
+        sample_func=sample,
+        pdf_func=density,
+        sample_dim=3,
+        sample_count=1 << 20,
+        res=101,
+        ires=16,
+    )
+    with (
+        contextlib.redirect_stdout(io.StringIO()),
+        contextlib.chdir(tempfile.gettempdir()),
+    ):  # run() writes a file and a log
         test.run(1.0)
     return test.p_value
 
 
 def albedo(bsdf, cosine, count=1 << 20):
-    """Mean weight of the first channel, with its standard error; radiance that crosses is counted by eta squared, as energy."""
+    """Mean weight of the first channel, with its standard error; radiance that crosses is counted by eta squared, as
+    energy."""
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(0, count)
-    drawn, weight = bsdf.sample(mi.BSDFContext(), interaction(cosine, count), sampler.next_1d(), sampler.next_2d(),
-                                mi.Bool(True))
+    drawn, weight = bsdf.sample(
+        mi.BSDFContext(), interaction(cosine, count), sampler.next_1d(), sampler.next_2d(), mi.Bool(True)
+    )
     energy = np.array(weight.x * dr.square(drawn.eta))
     return energy.mean(), energy.std() / np.sqrt(count)
 
@@ -79,7 +91,10 @@ def reciprocity_error(bsdf):
     """Largest relative difference of f between a pair of directions and the same exchanged, both above."""
     count = 1 << 16
     numbers = np.random.default_rng(3)
-    a, b = (mi.warp.square_to_uniform_hemisphere(mi.Point2f(numbers.random((2, count)).astype(np.float32))) for _ in range(2))
+    a, b = (
+        mi.warp.square_to_uniform_hemisphere(mi.Point2f(numbers.random((2, count)).astype(np.float32)))
+        for _ in range(2)
+    )
     si, exchanged = interaction(1.0, count), interaction(1.0, count)
     si.wi, exchanged.wi = a, b
     forward = np.array(bsdf.eval(mi.BSDFContext(), si, b, mi.Bool(True)) / b.z)
@@ -123,7 +138,9 @@ class Uneven(GltfBsdf):
     """A mistake: the density is that of a material whose alpha is 5% larger than the one drawn from."""
 
     def pdf(self, ctx, si, wo, active=True):
-        return GltfBsdf(**{**MATERIALS["metal"], "roughness": MATERIALS["metal"]["roughness"] * 1.05**0.5}).pdf(ctx, si, wo, active)
+        return GltfBsdf(**{**MATERIALS["metal"], "roughness": MATERIALS["metal"]["roughness"] * 1.05**0.5}).pdf(
+            ctx, si, wo, active
+        )
 
 
 if __name__ == "__main__":

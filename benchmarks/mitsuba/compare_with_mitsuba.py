@@ -22,14 +22,16 @@ import numpy as np
 from gltf_edits import environment_for_mitsuba, environment_of, make_diffuse, read_glb, write_glb
 from scipy import stats
 
-ROOT = Path(__file__).resolve().parents[2]
-
 from restirpg.harness.render import find_package
 from restirpg.harness.statistics import LEVEL, Test, welch
 
+ROOT = Path(__file__).resolve().parents[2]
+
 LARGEST_RATIO_ERROR = 0.003  # of the image means (issue 2)
-HEADER = ("| scene | cap | runs x samples, ours | Mitsuba | image mean, ours / Mitsuba | blocks x channels "
-          "| smallest p x tests | smallest bias found, image | median block | verdict |\n" + "| --- " * 10 + "|")
+HEADER = (
+    "| scene | cap | runs x samples, ours | Mitsuba | image mean, ours / Mitsuba | blocks x channels "
+    "| smallest p x tests | smallest bias found, image | median block | verdict |\n" + "| --- " * 10 + "|"
+)
 
 
 @dataclass(frozen=True)
@@ -73,16 +75,26 @@ def compare(ours, theirs, block):
     level = np.maximum(blocks_theirs.mean(axis=0), 1e-3 * scale)
     variance = blocks_ours.var(axis=0, ddof=1) / len(ours) + blocks_theirs.var(axis=0, ddof=1) / len(theirs)
     typical = Test(0.0, float(np.median(np.sqrt(variance) / level)), len(ours) + len(theirs) - 2, 1.0)
-    return Comparison(float(mean_ours.mean() / scale), float(image.se / scale),
-                      float(image.smallest_detectable() / scale), p, typical.smallest_detectable(p.size))
+    return Comparison(
+        float(mean_ours.mean() / scale),
+        float(image.se / scale),
+        float(image.smallest_detectable() / scale),
+        p,
+        typical.smallest_detectable(p.size),
+    )
 
 
 def render_ours(scene_file, environment, options):
     """Independent runs of the path tracer, (R, H, W, 3): stretches of frames, each of which draws fresh numbers."""
     import restirpg
-    renderer = restirpg.Renderer(restirpg.load_scene(scene_file, environment=environment),
-                                 restirpg.load_graph(ROOT / "graphs" / "path_tracer.py"), size=options.size,
-                                 seed=options.seed, backend=options.backend)
+
+    renderer = restirpg.Renderer(
+        restirpg.load_scene(scene_file, environment=environment),
+        restirpg.load_graph(ROOT / "graphs" / "path_tracer.py"),
+        size=options.size,
+        seed=options.seed,
+        backend=options.backend,
+    )
     renderer.set_everywhere("bounces", options.bounces)
     sums = [np.zeros((*options.size[::-1], 3))]
     for run in range(1, options.runs + 1):
@@ -94,6 +106,7 @@ def render_ours(scene_file, environment, options):
 def render_mitsuba(scene_file, environment, folder, options):
     """Independent runs of Mitsuba, (R, H, W, 3). The bounce cap n is its max_depth n + 2."""
     import restirpg
+
     light = []
     if environment and Path(environment).is_file():
         radiance = environment_for_mitsuba(read_environment(environment))
@@ -102,13 +115,27 @@ def render_mitsuba(scene_file, environment, folder, options):
     elif environment:
         light = ["--env", environment]
     size = "x".join(map(str, options.size))
-    command = [options.mitsuba_python, Path(__file__).with_name("mitsuba_runs.py"), options.converter,
-               options.mitsuba_runs, folder / "runs.npy", "converter" if options.materials == "diffuse" else options.materials, scene_file,
-               "--spp", options.samples,
-               "--depth", options.bounces + 2, "--res", size, "--variant", options.variant,
-               "--seed", 1000 * options.seed, *light]
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True,
-                          env={**os.environ, "PYTHONPATH": ""})
+    command = [
+        options.mitsuba_python,
+        Path(__file__).with_name("mitsuba_runs.py"),
+        options.converter,
+        options.mitsuba_runs,
+        folder / "runs.npy",
+        "converter" if options.materials == "diffuse" else options.materials,
+        scene_file,
+        "--spp",
+        options.samples,
+        "--depth",
+        options.bounces + 2,
+        "--res",
+        size,
+        "--variant",
+        options.variant,
+        "--seed",
+        1000 * options.seed,
+        *light,
+    ]
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, env={**os.environ, "PYTHONPATH": ""})
     if done.returncode != 0:
         sys.exit(f"Mitsuba failed on {scene_file}:\n{done.stderr}")
     return np.load(folder / "runs.npy")
@@ -117,6 +144,7 @@ def render_mitsuba(scene_file, environment, folder, options):
 def read_environment(path):
     """An .exr or .hdr environment as float (H, W, 3)."""
     import restirpg
+
     if str(path).endswith(".exr"):
         return restirpg.read_exr(path)
     data = Path(path).read_bytes()
@@ -137,10 +165,10 @@ def decode_rgbe(body, height, width):
             while x < width:
                 count = int(data[at])
                 if count > 128:
-                    channel[x:x + count - 128] = data[at + 1]
+                    channel[x : x + count - 128] = data[at + 1]
                     at, x = at + 2, x + count - 128
                 else:
-                    channel[x:x + count] = data[at + 1:at + 1 + count]
+                    channel[x : x + count] = data[at + 1 : at + 1 + count]
                     at, x = at + 1 + count, x + count
     mantissa, exponent = image[:, :3].transpose(0, 2, 1).astype(float), image[:, 3].astype(int)
     return np.where(exponent[..., None] > 0, np.ldexp(mantissa, exponent[..., None] - 136), 0.0)
@@ -149,8 +177,10 @@ def decode_rgbe(body, height, width):
 def write_failure(name, folder, ours, theirs, result):
     """Both images and the map of p-values (smallest over channels) as PNG."""
     import matplotlib
+
     matplotlib.use("Agg")
     from matplotlib import pyplot
+
     folder.mkdir(parents=True, exist_ok=True)
     figure, axes = pyplot.subplots(1, 3, figsize=(15, 5))
     for axis, image, title in zip(axes, (ours.mean(axis=0), theirs.mean(axis=0)), ("ours", "Mitsuba")):
@@ -185,9 +215,18 @@ def run_scene(path, options):
         ours = render_ours(scene_file, environment, options)
         theirs = render_mitsuba(scene_file, environment, folder, options)
     result = compare(ours, theirs, options.block)
-    row = (name, options.bounces, f"{options.runs} x {options.frames}", f"{options.mitsuba_runs} x {options.samples}",
-           f"{result.ratio:.5f} +- {result.ratio_se:.5f}", result.p.size, f"{result.corrected_p:.2g}",
-           f"{result.detectable_image:.2%}", f"{result.detectable_block:.1%}", result.verdict)
+    row = (
+        name,
+        options.bounces,
+        f"{options.runs} x {options.frames}",
+        f"{options.mitsuba_runs} x {options.samples}",
+        f"{result.ratio:.5f} +- {result.ratio_se:.5f}",
+        result.p.size,
+        f"{result.corrected_p:.2g}",
+        f"{result.detectable_image:.2%}",
+        f"{result.detectable_block:.1%}",
+        result.verdict,
+    )
     print("|", " | ".join(map(str, row)), "|", flush=True)
     if result.verdict != "equal":
         write_failure(name, options.out, ours, theirs, result)
@@ -199,12 +238,20 @@ def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="+", type=Path)
     parser.add_argument("--mitsuba-python", required=True, help="the Python of an environment that has Mitsuba 3")
-    parser.add_argument("--converter", type=Path, default=ROOT.parent / "shared" / "tools" / "gltf_to_mitsuba.py",
-                        help="glTF to Mitsuba 3 (default: ../shared/tools/gltf_to_mitsuba.py)")
+    parser.add_argument(
+        "--converter",
+        type=Path,
+        default=ROOT.parent / "shared" / "tools" / "gltf_to_mitsuba.py",
+        help="glTF to Mitsuba 3 (default: ../shared/tools/gltf_to_mitsuba.py)",
+    )
     parser.add_argument("--variant", default="llvm_ad_rgb", help="of Mitsuba; LLVM's needs DRJIT_LIBLLVM_PATH")
-    parser.add_argument("--materials", choices=("gltf", "diffuse", "converter"), default="gltf",
-                        help="gltf: the file's, by gltf_bsdf.py; diffuse: every one rewritten as exactly Lambert and opaque, "
-                        "without vertex normals; converter: what gltf_to_mitsuba.py takes for them, `principled` for most")
+    parser.add_argument(
+        "--materials",
+        choices=("gltf", "diffuse", "converter"),
+        default="gltf",
+        help="gltf: the file's, by gltf_bsdf.py; diffuse: every one rewritten as exactly Lambert and opaque, "
+        "without vertex normals; converter: what gltf_to_mitsuba.py takes for them, `principled` for most",
+    )
     parser.add_argument("--environment", help="r,g,b or an .exr or .hdr file; default: what the scene names")
     parser.add_argument("--backend", help="software or rayquery")
     parser.add_argument("--size", default="64x64")
@@ -228,7 +275,7 @@ def main():
     options = parse_arguments()
     find_package()
     print(HEADER)
-    return 0 if all([run_scene(path, options) for path in options.scenes]) else 1
+    return 0 if all([run_scene(path, options) for path in options.scenes]) else 1  # noqa: C419  (every one is run)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-"""The renderer's glTF material as a BSDF of Mitsuba 3, written from its formulas (head of framework/shaders/bsdf_model.glsl).
+"""The renderer's glTF material as a BSDF of Mitsuba 3, written from its formulas (head of
+framework/shaders/bsdf_model.glsl).
 
-Import it after mitsuba.set_variant. Only the value of f is the renderer's: Fresnel, GGX and refraction are Mitsuba's own functions,
-masking is written with Smith's Lambda, and directions are drawn from a mixture of this file's own. What the renderer
-decides outside its BSDF is here too: which hemisphere counts where shading and geometric normal differ, and alpha masks (Mitsuba's
-`volpath` lets a masked ray pass without counting a bounce; `path` counts one).
+Import it after mitsuba.set_variant. Only the value of f is the renderer's: Fresnel, GGX and refraction are Mitsuba's
+own functions, masking is written with Smith's Lambda, and directions are drawn from a mixture of this file's own. What
+the renderer decides outside its BSDF is here too: which hemisphere counts where shading and geometric normal differ,
+and alpha masks (Mitsuba's `volpath` lets a masked ray pass without counting a bounce; `path` counts one).
 """
 
 from types import SimpleNamespace
@@ -28,7 +29,7 @@ def fresnel_average(ior):
     refracted = np.sqrt(1 - (1 - cosine**2) / ior**2)
     s = (cosine - ior * refracted) / (cosine + ior * refracted)
     p = (ior * cosine - refracted) / (ior * cosine + refracted)
-    normal = ((ior - 1) / (ior + 1))**2
+    normal = ((ior - 1) / (ior + 1)) ** 2
     return float(np.sum(weights * cosine * ((s**2 + p**2) / 2 - normal) / (1 - normal)))
 
 
@@ -48,18 +49,41 @@ def facet_cosine(cosine, alpha):
 
 
 class GltfBsdf(mi.BSDF):
-    """One glTF material. Values are numbers, colours (three numbers) or textures of Mitsuba, already multiplied by their factors."""
+    """One glTF material. Values are numbers, colours (three numbers) or textures of Mitsuba, already multiplied by
+    their factors."""
 
-    def __init__(self, base=(1, 1, 1), metallic=1.0, roughness=1.0, specular=1.0, specular_color=(1, 1, 1), transmission=0.0,
-                 ior=1.5, solid=False, alpha=1.0, alpha_cutoff=None, normal=None, normal_scale=1.0, literal=False):
-        """literal: the diffuse lobe of glTF's sample implementation, base / pi (1 - F(v.h)), which the renderer deviates from."""
+    def __init__(
+        self,
+        base=(1, 1, 1),
+        metallic=1.0,
+        roughness=1.0,
+        specular=1.0,
+        specular_color=(1, 1, 1),
+        transmission=0.0,
+        ior=1.5,
+        solid=False,
+        alpha=1.0,
+        alpha_cutoff=None,
+        normal=None,
+        normal_scale=1.0,
+        literal=False,
+    ):
+        """literal: the diffuse lobe of glTF's sample implementation, base / pi (1 - F(v.h)), which the renderer
+        deviates from."""
         super().__init__(mi.Properties())
         self.literal = literal
-        self.values = {"base": base, "metallic": metallic, "roughness": roughness, "specular": specular,
-                       "specular_color": specular_color, "transmission": transmission, "alpha": alpha}
+        self.values = {
+            "base": base,
+            "metallic": metallic,
+            "roughness": roughness,
+            "specular": specular,
+            "specular_color": specular_color,
+            "transmission": transmission,
+            "alpha": alpha,
+        }
         self.ior = 1.0 if abs(ior - 1) < INDEX_MATCHED else ior
         self.solid, self.alpha_cutoff, self.normal, self.normal_scale = solid, alpha_cutoff, normal, normal_scale
-        self.f0 = ((self.ior - 1) / (self.ior + 1))**2
+        self.f0 = ((self.ior - 1) / (self.ior + 1)) ** 2
         self.average = fresnel_average(self.ior)
         self.set_components()
 
@@ -91,7 +115,8 @@ class GltfBsdf(mi.BSDF):
     # ---- The material and the frame at a point ----
 
     def place(self, si, active):
-        """Everything that depends on the point and on the viewing direction v, which is si.wi in a frame of this BSDF's own."""
+        """Everything that depends on the point and on the viewing direction v, which is si.wi in a frame of this BSDF's
+        own."""
         view = si.to_world(si.wi)
         n = dr.select(dr.dot(si.sh_frame.n, si.n) > 0, mi.Normal3f(si.sh_frame.n), mi.Normal3f(si.n))
         n = self.mapped_normal(n, si, active)
@@ -104,7 +129,8 @@ class GltfBsdf(mi.BSDF):
         return p
 
     def mapped_normal(self, n, si, active):
-        """The normal map's, in the tangent frame of the texture coordinates (files' own tangents are not known here)."""
+        """The normal map's, in the tangent frame of the texture coordinates (files' own tangents are not known
+        here)."""
         if self.normal is None:
             return n
         tangent = si.dp_du - n * dr.dot(n, si.dp_du)
@@ -140,14 +166,18 @@ class GltfBsdf(mi.BSDF):
             p.diffuse /= dr.maximum(1 - average, 1e-4)
         p.transmittance = dielectric * transmission
         p.straight = p.solid & (p.eta == 1)
-        p.masked = self.value("alpha", si, active, number) < self.alpha_cutoff if self.alpha_cutoff is not None else mi.Bool(False)
+        p.masked = (
+            self.value("alpha", si, active, number) < self.alpha_cutoff
+            if self.alpha_cutoff is not None
+            else mi.Bool(False)
+        )
 
     # ---- Fresnel terms ----
 
     def coat(self, p, cosine):
         """Reflectance of one interface of the dielectric."""
         if self.ior == 0:
-            position = (1 - cosine)**5
+            position = (1 - cosine) ** 5
         else:
             position = (mi.fresnel(cosine, p.eta)[0] - self.f0) / max(1 - self.f0, 1e-6)
         return dr.clip(dr.lerp(p.coat0, mi.Color3f(p.coat90), position), 0, 1)
@@ -156,7 +186,7 @@ class GltfBsdf(mi.BSDF):
         """F of the reflecting lobe."""
         coat = self.coat(p, cosine)
         dielectric = dr.lerp(coat, 2 * coat / (1 + coat), p.pane)
-        schlick = p.base + (1 - p.base) * dr.clip(1 - cosine, 0, 1)**5
+        schlick = p.base + (1 - p.base) * dr.clip(1 - cosine, 0, 1) ** 5
         return dr.lerp(dielectric, schlick, p.metallic)
 
     def transmittance(self, p, cosine):
@@ -173,18 +203,25 @@ class GltfBsdf(mi.BSDF):
     def shares(self, p):
         """How often each of the lobes (diffuse, reflect, transmit) is drawn."""
         facet = facet_cosine(p.v.z, p.alpha)
-        weights = [mi.luminance(p.diffuse * (1 - self.coat(p, facet))), mi.luminance(self.reflectance(p, facet)),
-                   mi.luminance(self.transmittance(p, facet))]
+        weights = [
+            mi.luminance(p.diffuse * (1 - self.coat(p, facet))),
+            mi.luminance(self.reflectance(p, facet)),
+            mi.luminance(self.transmittance(p, facet)),
+        ]
         there = [dr.any(p.diffuse > 0), (p.metallic > 0) | (p.coat90 > 0), dr.any(p.transmittance > 0)]
         total = dr.maximum(weights[0] + weights[1] + weights[2], 1e-6)
-        weights = [dr.select(flag, dr.maximum(weight, SMALLEST_SHARE * total), 0) for weight, flag in zip(weights, there)]
+        weights = [
+            dr.select(flag, dr.maximum(weight, SMALLEST_SHARE * total), 0) for weight, flag in zip(weights, there)
+        ]
         total = dr.maximum(weights[0] + weights[1] + weights[2], 1e-20)
         return [weight / total for weight in weights]
 
     def local_value_and_pdf(self, p, light):
         """f |cos| of all lobes that are not deltas, and the density with which `sample` draws them."""
         v = p.v
-        mirrored = mi.Vector3f(light.x, light.y, dr.abs(light.z))  # a sheet's transmission is a reflection seen from behind
+        mirrored = mi.Vector3f(
+            light.x, light.y, dr.abs(light.z)
+        )  # a sheet's transmission is a reflection seen from behind
         above, usable = light.z > 0, (v.z > 0) & (light.z != 0)
         masking = 1 / (1 + smith_lambda(v, p.alpha) + smith_lambda(mirrored, p.alpha))
         diffuse, reflect, transmit = self.shares(p)
@@ -240,10 +277,13 @@ class GltfBsdf(mi.BSDF):
         """1 where the mask cuts the surface away."""
         if self.alpha_cutoff is None:
             return mi.Color3f(0)
-        return dr.select(active & (self.value("alpha", si, active, mi.Float) < self.alpha_cutoff), mi.Color3f(1), mi.Color3f(0))
+        return dr.select(
+            active & (self.value("alpha", si, active, mi.Float) < self.alpha_cutoff), mi.Color3f(1), mi.Color3f(0)
+        )
 
     def draw(self, p, which, u):
-        """A direction of the lobe that `which` in [0, 1) chooses, in the local frame; and that lobe's flags and delta weight."""
+        """A direction of the lobe that `which` in [0, 1) chooses, in the local frame; and that lobe's flags and delta
+        weight."""
         diffuse, reflect, transmit = self.shares(p)
         is_diffuse = which < diffuse
         is_reflect = ~is_diffuse & (which < diffuse + reflect)
@@ -273,8 +313,9 @@ class GltfBsdf(mi.BSDF):
         bs.pdf = dr.select(s.delta, s.share, pdf)
         bs.eta = dr.select(s.crosses & p.solid, p.eta, 1)
         flags = dr.select(s.delta, mi.UInt32(+mi.BSDFFlags.DeltaReflection), mi.UInt32(+mi.BSDFFlags.GlossyReflection))
-        bs.sampled_type = dr.select(s.crosses, dr.select(s.delta, +mi.BSDFFlags.DeltaTransmission,
-                                                         +mi.BSDFFlags.GlossyTransmission), flags)
+        bs.sampled_type = dr.select(
+            s.crosses, dr.select(s.delta, +mi.BSDFFlags.DeltaTransmission, +mi.BSDFFlags.GlossyTransmission), flags
+        )
         bs.sampled_component = 0
         weight = dr.select(s.delta, s.weight / s.share, value / pdf)
         good = active & s.right & (bs.pdf > 0) & (p.v.z > 0)

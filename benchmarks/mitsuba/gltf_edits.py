@@ -9,9 +9,9 @@ import numpy as np
 def read_glb(path):
     """The JSON document (dict) and binary chunk (bytes) of a .glb file."""
     data = path.read_bytes()
-    length, = struct.unpack_from("<I", data, 12)
-    document = json.loads(data[20:20 + length])
-    return document, data[20 + length + 8:]
+    (length,) = struct.unpack_from("<I", data, 12)
+    document = json.loads(data[20 : 20 + length])
+    return document, data[20 + length + 8 :]
 
 
 def write_glb(path, document, binary):
@@ -19,18 +19,22 @@ def write_glb(path, document, binary):
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     binary += b"\0" * (-len(binary) % 4)
-    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(binary))
-                     + struct.pack("<I4s", len(text), b"JSON") + text
-                     + struct.pack("<I4s", len(binary), b"BIN\0") + binary)
+    path.write_bytes(
+        struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(binary))
+        + struct.pack("<I4s", len(text), b"JSON")
+        + text
+        + struct.pack("<I4s", len(binary), b"BIN\0")
+        + binary
+    )
     return path
 
 
 def make_diffuse(document):
     """Rewrite every material as exactly Lambert and opaque: both renderers then mean the same by it.
 
-    Base colour, its texture, emission and sidedness stay. What the renderers define differently goes: vertex normals (the
-    directions between the hemispheres of shading and geometric normal) and alpha masks (glTF thresholds the filtered
-    texture, the converter lets Mitsuba filter the thresholded one).
+    Base colour, its texture, emission and sidedness stay. What the renderers define differently goes: vertex normals
+    (the directions between the hemispheres of shading and geometric normal) and alpha masks (glTF thresholds the
+    filtered texture, the converter lets Mitsuba filter the thresholded one).
     """
     kept = ("KHR_materials_emissive_strength", "KHR_materials_unlit")
     for material in document.get("materials", []):

@@ -1,4 +1,5 @@
-"""The materials of a .glb file as GltfBsdf, and their place in a scene that gltf_to_mitsuba.py made. Import after set_variant."""
+"""The materials of a .glb file as GltfBsdf, and their place in a scene that gltf_to_mitsuba.py made. Import after
+set_variant."""
 
 import io
 from pathlib import Path
@@ -12,7 +13,7 @@ from PIL import Image
 
 def linear_from_srgb(encoded):
     """IEC 61966-2-1, values in [0, 1]."""
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055)**2.4)
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 
 
 class Materials:
@@ -28,7 +29,7 @@ class Materials:
         if source not in self.images:
             view = self.document["bufferViews"][self.document["images"][source]["bufferView"]]
             start = view.get("byteOffset", 0)
-            image = Image.open(io.BytesIO(self.binary[start:start + view["byteLength"]]))
+            image = Image.open(io.BytesIO(self.binary[start : start + view["byteLength"]]))
             self.images[source] = np.asarray(image.convert("RGBA"), np.float32) / 255
         return self.images[source]
 
@@ -43,18 +44,33 @@ class Materials:
         to_uv = np.eye(4)
         to_uv[:2, :2] = np.array([[cosine, sine], [-sine, cosine]]) @ np.diag(transform.get("scale", [1, 1]))
         to_uv[:2, 3] = transform.get("offset", [0, 0])
-        return mi.load_dict({"type": "bitmap", "bitmap": mi.Bitmap(np.ascontiguousarray(values, np.float32)), "raw": True,
-                             "to_uv": mi.ScalarTransform4f(to_uv), "wrap_mode": "repeat",
-                             "filter_type": "nearest" if settings.get("magFilter") == 9728 else "bilinear"})
+        return mi.load_dict(
+            {
+                "type": "bitmap",
+                "bitmap": mi.Bitmap(np.ascontiguousarray(values, np.float32)),
+                "raw": True,
+                "to_uv": mi.ScalarTransform4f(to_uv),
+                "wrap_mode": "repeat",
+                "filter_type": "nearest" if settings.get("magFilter") == 9728 else "bilinear",
+            }
+        )
 
     def number(self, factor, info, channel):
         """A factor, or its product with a channel of a texture."""
-        return float(factor) if info is None else self.texture(info, factor * self.pixels(info)[..., channel:channel + 1])
+        return (
+            float(factor)
+            if info is None
+            else self.texture(info, factor * self.pixels(info)[..., channel : channel + 1])
+        )
 
     def color(self, factor, info):
         """The same of an sRGB texture."""
         factor = [float(value) for value in factor]
-        return factor if info is None else self.texture(info, linear_from_srgb(self.pixels(info)[..., :3]) * np.array(factor))
+        return (
+            factor
+            if info is None
+            else self.texture(info, linear_from_srgb(self.pixels(info)[..., :3]) * np.array(factor))
+        )
 
     def arguments(self, index):
         """GltfBsdf's arguments for a material (None: glTF's default material)."""
@@ -69,8 +85,12 @@ class Materials:
             "metallic": self.number(pbr.get("metallicFactor", 1), rough_map, 2),
             "roughness": self.number(pbr.get("roughnessFactor", 1), rough_map, 1),
             "specular": self.number(specular.get("specularFactor", 1), specular.get("specularTexture"), 3),
-            "specular_color": self.color(specular.get("specularColorFactor", [1, 1, 1]), specular.get("specularColorTexture")),
-            "transmission": self.number(transmission.get("transmissionFactor", 0), transmission.get("transmissionTexture"), 0),
+            "specular_color": self.color(
+                specular.get("specularColorFactor", [1, 1, 1]), specular.get("specularColorTexture")
+            ),
+            "transmission": self.number(
+                transmission.get("transmissionFactor", 0), transmission.get("transmissionTexture"), 0
+            ),
             "ior": float(extensions.get("KHR_materials_ior", {}).get("ior", 1.5)),
             "solid": extensions.get("KHR_materials_volume", {}).get("thicknessFactor", 0) > 0,
         }
@@ -79,7 +99,10 @@ class Materials:
             made["alpha"] = self.number(base[3], base_map, 3)
         if "normalTexture" in material:
             info = material["normalTexture"]
-            made |= {"normal": self.texture(info, self.pixels(info)[..., :3]), "normal_scale": float(info.get("scale", 1))}
+            made |= {
+                "normal": self.texture(info, self.pixels(info)[..., :3]),
+                "normal_scale": float(info.get("scale", 1)),
+            }
         return made
 
     def medium(self, index):
@@ -89,11 +112,16 @@ class Materials:
         if volume.get("thicknessFactor", 0) <= 0 or "attenuationDistance" not in volume:
             return None
         sigma = -np.log(np.maximum(volume.get("attenuationColor", [1, 1, 1]), 1e-6)) / volume["attenuationDistance"]
-        return {"type": "homogeneous", "albedo": 0.0, "sigma_t": {"type": "rgb", "value": [float(value) for value in sigma]}}
+        return {
+            "type": "homogeneous",
+            "albedo": 0.0,
+            "sigma_t": {"type": "rgb", "value": [float(value) for value in sigma]},
+        }
 
 
 def put_materials(scene, path, literal):
-    """Replace the materials of the converter's scene dictionary by the file's own; `volpath` where something absorbs or is masked.
+    """Replace the materials of the converter's scene dictionary by the file's own; `volpath` where something absorbs or
+    is masked.
 
     literal: as GltfBsdf has it.
     """

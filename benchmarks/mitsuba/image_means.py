@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Image means of scenes with their own materials, ours against Mitsuba's, seed by seed; the table behind results/mitsuba.md.
+"""Image means of scenes with their own materials, ours against Mitsuba's, seed by seed; the table behind
+results/mitsuba.md.
 
     image_means.py SCENE.glb ... --mitsuba-python VENV/bin/python --csv FILE [--only ours|mitsuba|literal] [--seeds 1-8]
                    [--frames 256] [--samples 256] [--size 64x36] [--bounces 4]
@@ -23,8 +24,10 @@ from compare_with_mitsuba import ROOT, prepare, render_mitsuba, render_ours
 from restirpg.harness.render import find_package
 
 COLUMNS = ("scene", "renderer", "seed", "width", "height", "bounces", "samples", "r", "g", "b", "seconds")
-HEADER = ("| scene | cap | runs and paths, ours | Mitsuba | image mean, ours | Mitsuba | ours / Mitsuba "
-          "| ours / literal glTF |\n" + "| --- " * 8 + "|")
+HEADER = (
+    "| scene | cap | runs and paths, ours | Mitsuba | image mean, ours | Mitsuba | ours / Mitsuba "
+    "| ours / literal glTF |\n" + "| --- " * 8 + "|"
+)
 
 
 def read_rows(path):
@@ -58,8 +61,16 @@ def run_seed(path, renderer, seed, options):
             options.materials = "literal" if renderer == "literal" else "gltf"
             samples, runs = options.samples, render_mitsuba(scene_file, environment, folder, options)
     mean = runs[0].mean(axis=(0, 1), dtype=float)
-    row = (path.stem, renderer, seed, *options.size, options.bounces, samples, *(f"{value:.7g}" for value in mean),
-           f"{time.monotonic() - start:.1f}")
+    row = (
+        path.stem,
+        renderer,
+        seed,
+        *options.size,
+        options.bounces,
+        samples,
+        *(f"{value:.7g}" for value in mean),
+        f"{time.monotonic() - start:.1f}",
+    )
     append_row(options.csv, dict(zip(COLUMNS, row)))
     print(path.stem, renderer, seed, mean.mean(), flush=True)
 
@@ -69,7 +80,7 @@ def mean_and_error(rows):
     values = np.array([[float(row[channel]) for channel in "rgb"] for row in rows]).mean(axis=1)
     weights = np.array([float(row["samples"]) * float(row["width"]) * float(row["height"]) for row in rows])
     mean = np.average(values, weights=weights)
-    variance_of_one = np.sum(weights * (values - mean)**2) / (len(values) - 1)  # of one path
+    variance_of_one = np.sum(weights * (values - mean) ** 2) / (len(values) - 1)  # of one path
     return mean, np.sqrt(variance_of_one / weights.sum())
 
 
@@ -98,7 +109,9 @@ def print_table(rows):
         literal = [row for row in chosen if row["renderer"] == "literal"]
         counts = [paths(side) for side in (ours, theirs)]
         means = [f"{value:.5f} +- {error:.5f}" for value, error in map(mean_and_error, (ours, theirs))]
-        ratios = [f"{value:.4f} +- {error:.4f}" for value, error in (ratio(ours, theirs), ratio(ours, literal)) if value]
+        ratios = [
+            f"{value:.4f} +- {error:.4f}" for value, error in (ratio(ours, theirs), ratio(ours, literal)) if value
+        ]
         print("|", " | ".join([scene, bounces, *counts, *means, *ratios, *[""] * (2 - len(ratios))]), "|")
 
 

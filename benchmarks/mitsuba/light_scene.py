@@ -39,17 +39,29 @@ def room():
 def add_lights(document):
     """Append a point, a directional and a spot light."""
     cone = {"innerConeAngle": math.radians(70), "outerConeAngle": math.radians(85)}
-    lights = [("point", (-0.9, 1.5, 0.9), (0, 0, 0), 0.6, {}),
-              ("directional", (2.0, 3.0, 2.0), (0, 0, 0), 0.5, {}),
-              ("spot", (0.7, 1.8, 0.3), (0.7, 0.0, 0.3001), 2.0, {"spot": cone})]
-    document["extensions"] = {"KHR_lights_punctual": {"lights": [
-        {"type": kind, "intensity": intensity, "color": [1, 0.8, 0.6], **extra}
-        for kind, _, _, intensity, extra in lights]}}
+    lights = [
+        ("point", (-0.9, 1.5, 0.9), (0, 0, 0), 0.6, {}),
+        ("directional", (2.0, 3.0, 2.0), (0, 0, 0), 0.5, {}),
+        ("spot", (0.7, 1.8, 0.3), (0.7, 0.0, 0.3001), 2.0, {"spot": cone}),
+    ]
+    document["extensions"] = {
+        "KHR_lights_punctual": {
+            "lights": [
+                {"type": kind, "intensity": intensity, "color": [1, 0.8, 0.6], **extra}
+                for kind, _, _, intensity, extra in lights
+            ]
+        }
+    }
     for index, (kind, position, target, _, _) in enumerate(lights):
         document["scenes"][0]["nodes"].append(len(document["nodes"]))
-        document["nodes"].append({"name": kind, "translation": list(position),
-                                  "rotation": list(look_at(position, target)),
-                                  "extensions": {"KHR_lights_punctual": {"light": index}}})
+        document["nodes"].append(
+            {
+                "name": kind,
+                "translation": list(position),
+                "rotation": list(look_at(position, target)),
+                "extensions": {"KHR_lights_punctual": {"light": index}},
+            }
+        )
     document["extensionsUsed"] = sorted({*document.get("extensionsUsed", []), "KHR_lights_punctual"})
     return document
 
@@ -69,7 +81,7 @@ def open_below(document, binary, name):
     triangles = indices.reshape(-1, 3)
     kept = triangles[(normals[triangles][..., 1] > -0.9).any(axis=1)].astype("<u2")
     document["accessors"][primitive["indices"]]["count"] = kept.size
-    return binary[:start] + kept.tobytes() + binary[start + kept.nbytes:]
+    return binary[:start] + kept.tobytes() + binary[start + kept.nbytes :]
 
 
 def main():

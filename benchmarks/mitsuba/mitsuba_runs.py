@@ -29,6 +29,7 @@ def main():
     def load_scene(description, *arguments, **keywords):
         if description.get("type") == "scene" and materials != "converter":
             from gltf_materials import put_materials  # needs the variant
+
             put_materials(description, scene, materials == "literal")
         return load_dict(description, *arguments, **keywords)
 

@@ -18,8 +18,6 @@ import sys
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-
 from report import as_json, as_markdown, findings_of
 from runs import Case, MethodRuns, ReferenceBatches
 
@@ -27,6 +25,8 @@ from restirpg.harness import files, program, render, scenes
 from restirpg.harness.jobs import parse_method
 from restirpg.harness.motion import Motion
 from restirpg.harness.unbiased import compare
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def size(text):
@@ -49,21 +49,39 @@ def parse(arguments):
     add("method", metavar="GRAPH[@SETTING=VALUE,...]", help="as scripts/compare.py takes it")
     add("--scene", required=True, metavar="NAME|FILE", help="an embedded scene, or a .glb or .gltf file")
     add("--size", type=size, default=(48, 48), metavar="WxH", help="pixels, multiples of a block (48x48)")
-    add("--frames", type=program.frame_numbers, default=(1, 2, 8, 32), metavar="K,K,...",
-        help="samples of a run (1,2,8,32)")
+    add(
+        "--frames",
+        type=program.frame_numbers,
+        default=(1, 2, 8, 32),
+        metavar="K,K,...",
+        help="samples of a run (1,2,8,32)",
+    )
     add("--runs", type=several, default=400, help="independent runs (%(default)s)")
-    add("--block", type=int, choices=(4, 8, 16), default=4,
-        help="edge of a block, pixels: larger ones for scenes of rare bright samples (%(default)s)")
+    add(
+        "--block",
+        type=int,
+        choices=(4, 8, 16),
+        default=4,
+        help="edge of a block, pixels: larger ones for scenes of rare bright samples (%(default)s)",
+    )
     add("--bounces", type=program.bounces, help="bounce cap of method and reference (the scene's, or the graph's own)")
-    add("--circle", type=program.length, default=0.0, metavar="M",
-        help="move the camera in a circle of this radius, 6 frames a turn")
+    add(
+        "--circle",
+        type=program.length,
+        default=0.0,
+        metavar="M",
+        help="move the camera in a circle of this radius, 6 frames a turn",
+    )
     add("--fps", type=program.length, default=0.0, help="play the scene's animation, frames a second")
-    add("--reference-batches", type=several, default=64, metavar="N",
-        help="independent parts of the reference (%(default)s)")
-    add("--batch-frames", type=several, default=256, metavar="N",
-        help="samples a pixel of each part (%(default)s)")
-    add("--seconds", type=float, default=float("inf"),
-        help="test what there is after so long; the next call goes on")
+    add(
+        "--reference-batches",
+        type=several,
+        default=64,
+        metavar="N",
+        help="independent parts of the reference (%(default)s)",
+    )
+    add("--batch-frames", type=several, default=256, metavar="N", help="samples a pixel of each part (%(default)s)")
+    add("--seconds", type=float, default=float("inf"), help="test what there is after so long; the next call goes on")
     add("--out", type=Path, default=ROOT / "out" / "unbiased", help="folder of finished runs (out/unbiased)")
     add("--markdown", type=Path, help="file to append the table to")
     add("--json", type=Path, help="file to write the numbers to")
@@ -84,8 +102,14 @@ def grow(what, source, count, deadline):
 def record(options):
     """Render what is missing, test, print and write. Returns the exit code."""
     deadline = time.monotonic() + options.seconds
-    case = Case(parse_method(options.method), Path(scenes.file_of(options.scene, options.out / "scenes")), options.size,
-                options.bounces, options.frames, Motion(options.circle, options.fps))
+    case = Case(
+        parse_method(options.method),
+        Path(scenes.file_of(options.scene, options.out / "scenes")),
+        options.size,
+        options.bounces,
+        options.frames,
+        Motion(options.circle, options.fps),
+    )
     method = MethodRuns(case, options.out)
     bounces = method.renderer.get("paths.bounces")
     references, samples = {}, []
@@ -98,8 +122,9 @@ def record(options):
             samples.append(min(len(batches.samples), options.reference_batches) * options.batch_frames)
     grow(case.method.label, method, options.runs, deadline)
     images, invalid = method.load(options.runs)
-    verdicts = {k: compare(images[k], references[case.motion.pose(k)], len(case.frames), options.block)
-                for k in case.frames}
+    verdicts = {
+        k: compare(images[k], references[case.motion.pose(k)], len(case.frames), options.block) for k in case.frames
+    }
     findings = findings_of(method, bounces, invalid, verdicts, min(samples), options.block)
     print(as_markdown(findings))
     if options.markdown:

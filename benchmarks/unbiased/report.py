@@ -70,7 +70,8 @@ def as_markdown(findings):
             f"| {k} | {row['ratio']:.4f} ± {row['standard_error']:.4f} | {row['image_z']:+.2f} "
             f"| {row['detectable_image']:.2%} | {row['largest_z']:.2f} of {row['blocks']} "
             f"| {row['limit']:.2f} | {row['detectable_block']:.1%} | {row['ks_p']:.2g} "
-            f"| {'BIASED' if row['biased'] else 'none found'} |")
+            f"| {'BIASED' if row['biased'] else 'none found'} |"
+        )
     return "\n".join(lines) + "\n"
 
 

@@ -33,10 +33,19 @@ class Case:
         """The case as the harness's Job, whose seed and frames count for nothing."""
         description = render.describe_graph(self.method.graph)
         job = Job(
-            scene=str(self.scene), scene_hash="", graph=self.method.graph,
-            description=json.dumps(description, sort_keys=True), size=self.size, frames=0, seed=0,
-            code=code_of(description), knobs=self.method.knobs, output=self.method.output,
-            device=self.method.device, backend=self.method.backend)
+            scene=str(self.scene),
+            scene_hash="",
+            graph=self.method.graph,
+            description=json.dumps(description, sort_keys=True),
+            size=self.size,
+            frames=0,
+            seed=0,
+            code=code_of(description),
+            knobs=self.method.knobs,
+            output=self.method.output,
+            device=self.method.device,
+            backend=self.method.backend,
+        )
         facts = scenes.facts_of(*render.load_scene(job))
         return replace(job, scene_hash=facts.hash, bounces=facts.bounces(self.bounces))
 
@@ -59,8 +68,14 @@ class MethodRuns:
         job = case.job()
         self._running_mean = render.is_running_mean(json.loads(job.description), case.method.output)
         self._pixels = case.size[0] * case.size[1]
-        identity = {"job": job.key, "method": case.method.label, "scene": case.scene.stem,
-                    "frames": case.frames, "circle": case.motion.circle, "fps": case.motion.fps}
+        identity = {
+            "job": job.key,
+            "method": case.method.label,
+            "scene": case.scene.stem,
+            "frames": case.frames,
+            "circle": case.motion.circle,
+            "fps": case.motion.fps,
+        }
         self.samples = Samples(folder, identity, [len(case.frames) * self._pixels + 1])
         self.renderer = render.make_renderer(job)
         self._home = self.renderer.camera
@@ -100,8 +115,14 @@ class ReferenceBatches:
         plain = replace(REFERENCE, device=case.method.device, backend=case.method.backend)
         job = replace(case, method=plain, bounces=bounces).job()
         pose = case.motion.pose(frame)
-        identity = {"job": job.key, "method": "reference", "scene": case.scene.stem, "frames": batch_frames,
-                    "circle": case.motion.circle if pose[0] else 0.0, "pose": pose}
+        identity = {
+            "job": job.key,
+            "method": "reference",
+            "scene": case.scene.stem,
+            "frames": batch_frames,
+            "circle": case.motion.circle if pose[0] else 0.0,
+            "pose": pose,
+        }
         self.samples = Samples(folder, identity, [height, width])
         self.renderer = render.make_renderer(job)
         case.motion.apply(self.renderer, self.renderer.camera, frame)

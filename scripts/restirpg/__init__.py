@@ -13,12 +13,12 @@ from restirpg.denoising import denoise, have_denoiser
 from restirpg.graph import Graph, GraphError, Port, prev
 
 if TYPE_CHECKING:
-    from restirpg._native import *  # noqa: F403
+    from restirpg._native import *
 
 __all__ = [
     "COMMIT", "Error", "GRAPHS", "Graph", "GraphDescription", "GraphError", "MissingFileError", "PLUGIN_ABI", "Port", "Renderer",
-    "Scene", "WrongIndexError", "WrongValueError", "code_paths", "denoise", "describe_pass", "devices", "have_denoiser", "load_graph", "load_scene",
-    "measure_errors", "prev", "read_exr", "read_exr_attributes", "view", "write_exr", "write_png",
+    "Scene", "WrongIndexError", "WrongValueError", "code_paths", "denoise", "describe_pass", "devices", "have_denoiser",
+    "load_graph", "load_scene", "measure_errors", "prev", "read_exr", "read_exr_attributes", "view", "write_exr", "write_png",
 ]  # fmt: skip
 
 _folder = os.path.dirname(os.path.realpath(__file__))
@@ -54,7 +54,8 @@ def __getattr__(name):
     except ImportError as error:
         raise AttributeError(
             f"restirpg.{name} needs the binding module restirpg._native: {error}; "
-            "build it with scripts/run, or name its build folder in RESTIRPG_BUILD") from error
+            "build it with scripts/run, or name its build folder in RESTIRPG_BUILD"
+        ) from error
     return getattr(native, name)
 
 

@@ -14,7 +14,10 @@ def _run(module):
         return importlib.import_module(module).main(sys.argv[1:])
     except ModuleNotFoundError as missing:
         name = os.path.basename(sys.argv[0])
-        print(f"{name}: {sys.executable} lacks the module '{missing.name}': install it, or use another Python", file=sys.stderr)
+        print(
+            f"{name}: {sys.executable} lacks the module '{missing.name}': install it, or use another Python",
+            file=sys.stderr,
+        )
         return 2
 
 
@@ -28,7 +31,8 @@ def parsed(parser, arguments):
 
 
 def program():
-    """Run the program of an installed package in place of this process; its graph files are evaluated by this Python."""
+    """Run the program of an installed package in place of this process; its graph files are evaluated by this
+    Python."""
     file = os.path.join(os.path.dirname(os.path.realpath(__file__)), "bin", "restirpg")
     os.environ.setdefault("RESTIRPG_PYTHON", sys.executable)
     os.execv(file, [file, *sys.argv[1:]])

@@ -21,11 +21,15 @@ def denoise(image, albedo=None, normal=None, quality="high"):
     try:
         import pyoidn
     except ImportError:
-        raise ImportError("denoising needs the Python package pyoidn, which is not installed: pip install pyoidn") from None
+        raise ImportError(
+            "denoising needs the Python package pyoidn, which is not installed: pip install pyoidn"
+        ) from None
     named = {"image": image, "albedo": albedo, "normal": normal}
     arrays = {name: np.asarray(array, np.float32) for name, array in named.items() if array is not None}
     for name, array in arrays.items():
         if array.ndim != 3 or array.shape[2] != 3 or array.shape != arrays["image"].shape:
             raise ValueError(f"'{name}' has the shape {array.shape}; all have one shape (height, width, 3)")
         arrays[name] = np.nan_to_num(array, nan=0, posinf=0, neginf=0)
-    return pyoidn.denoise(np.maximum(arrays["image"], 0), arrays.get("albedo"), arrays.get("normal"), hdr=True, quality=quality)
+    return pyoidn.denoise(
+        np.maximum(arrays["image"], 0), arrays.get("albedo"), arrays.get("normal"), hdr=True, quality=quality
+    )

@@ -20,14 +20,14 @@ class EvaluationError(Exception):
 
 
 def _innermost(stack, file):
-    """"FILE:LINE" of the innermost line of the graph file's own folder in a traceback or stack."""
+    """ "FILE:LINE" of the innermost line of the graph file's own folder in a traceback or stack."""
     folder = os.path.dirname(os.path.abspath(file))
     own = [entry for entry in stack if os.path.dirname(os.path.abspath(entry.filename)) == folder]
     return f"{shown_path(own[-1].filename)}:{own[-1].lineno}" if own else f"{shown_path(file)}:1"
 
 
 def _place(error, file):
-    """"FILE:LINE" of what raised the error."""
+    """ "FILE:LINE" of what raised the error."""
     if isinstance(error, SyntaxError) and error.filename:
         return f"{shown_path(error.filename)}:{error.lineno or 1}"
     return _innermost(traceback.extract_tb(error.__traceback__), file)
@@ -64,18 +64,22 @@ def evaluate(file):
         found = "has no variable 'graph'"
         if graph is not None:
             found = f"has a {type(graph).__name__} in its variable 'graph'"
-        raise EvaluationError(f"{shown_path(file)}:1: the file {found}; "
-                              "end it with graph = ..., a restirpg.Graph")
+        raise EvaluationError(f"{shown_path(file)}:1: the file {found}; end it with graph = ..., a restirpg.Graph")
     return graph
 
 
 def _bound(file, seconds):
-    """End this process, saying where it was, after so many seconds. Let it have half of the machine's memory at most."""
+    """End this process, saying where it was, after so many seconds. Let it have half of the machine's memory at
+    most."""
+
     def end(number, frame):
         # Not by an exception, which the file may catch.
         place = _innermost(traceback.extract_stack(frame), file)
-        print(f"{place}: evaluating the graph file takes more than {seconds} s; look for a loop that does not end",
-              file=sys.stderr, flush=True)
+        print(
+            f"{place}: evaluating the graph file takes more than {seconds} s; look for a loop that does not end",
+            file=sys.stderr,
+            flush=True,
+        )
         os._exit(2)
 
     signal.signal(signal.SIGALRM, end)

@@ -154,8 +154,7 @@ class Graph:
         if not isinstance(name, str):
             raise GraphError(f"the name of an output is text, not {name!r}")
         if not isinstance(port, Port) or port.delayed:
-            raise GraphError(f"output '{name}' must be an output of a pass, as in accumulate.mean, "
-                             f"not {port!r}")
+            raise GraphError(f"output '{name}' must be an output of a pass, as in accumulate.mean, not {port!r}")
         if len(self._outputs) == MOST_PASSES:
             raise GraphError(f"a graph has at most {MOST_PASSES} outputs")
         self._outputs.append({"name": name, **port.source(), **_caller()})

@@ -11,11 +11,11 @@ ROOT = Path(__file__).parents[2]
 TARGETS = ["gltf", "image", "exr", "hdr", "graph"]
 
 
-@pytest.mark.skipif(not shutil.which("clang++"), reason="clang++ and libclang-rt-dev are not installed: no reader is fuzzed")
+@pytest.mark.skipif(
+    not shutil.which("clang++"), reason="clang++ and libclang-rt-dev are not installed: no reader is fuzzed"
+)
 def test_a_minute_of_fuzzing_finds_nothing():
-    done = subprocess.run(
-        [ROOT / "scripts" / "fuzz", "1"], text=True, capture_output=True, timeout=1800, check=False
-    )
+    done = subprocess.run([ROOT / "scripts" / "fuzz", "1"], text=True, capture_output=True, timeout=1800, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     rows = [line.split() for line in done.stdout.splitlines()[1:]]
     assert [row[0] for row in rows] == TARGETS

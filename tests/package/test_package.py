@@ -22,8 +22,14 @@ BUILD = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build"))
 def run(*command, expect=0, **variables):
     """Run a command with further environment variables; returns standard output and standard error together."""
     environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "RESTIRPG_PLUGIN_PATH")}
-    result = subprocess.run([str(word) for word in command], env=environment | {k: str(v) for k, v in variables.items()},
-                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=600)
+    result = subprocess.run(
+        [str(word) for word in command],
+        env=environment | {k: str(v) for k, v in variables.items()},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=600,
+    )
     assert result.returncode == expect, result.stdout
     return result.stdout
 
@@ -37,7 +43,9 @@ def prefix(tmp_path_factory):
 
 
 def build_pass(source, build, prefix):
-    run("cmake", "-S", source, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_BUILD_TYPE=Release")
+    run(
+        "cmake", "-S", source, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_BUILD_TYPE=Release"
+    )
     run("cmake", "--build", build)
     return build
 
@@ -66,8 +74,16 @@ numpy.savez(out, image=renderer.output("image"), before=renderer.output("before"
 
 def render(prefix, scene, out, **variables):
     """Render the pass's graph with the installed Python package; returns the image with and without the pass."""
-    run(sys.executable, "-c", RENDER, scene, HERE / "out_of_tree/exposure.py", out,
-        PYTHONPATH=prefix / "share/restirpg/python", **variables)
+    run(
+        sys.executable,
+        "-c",
+        RENDER,
+        scene,
+        HERE / "out_of_tree/exposure.py",
+        out,
+        PYTHONPATH=prefix / "share/restirpg/python",
+        **variables,
+    )
     images = np.load(out)
     return images["image"], images["before"]
 
@@ -99,8 +115,20 @@ def test_pass_out_of_tree_is_unknown_without_the_plugin_path(prefix, plugin):
 
 def test_installed_program_renders_a_pass_out_of_tree(prefix, plugin, scene, tmp_path):
     out = tmp_path / "image.exr"
-    run(prefix / "bin/restirpg", "render", HERE / "out_of_tree/exposure.py", "--scene", scene, "--size", "32x24",
-        "--frames", "2", "-o", out, RESTIRPG_PLUGIN_PATH=plugin)
+    run(
+        prefix / "bin/restirpg",
+        "render",
+        HERE / "out_of_tree/exposure.py",
+        "--scene",
+        scene,
+        "--size",
+        "32x24",
+        "--frames",
+        "2",
+        "-o",
+        out,
+        RESTIRPG_PLUGIN_PATH=plugin,
+    )
     assert out.stat().st_size > 0
 
 

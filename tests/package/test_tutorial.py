@@ -1,4 +1,5 @@
-"""What the READMEs tell a newcomer to type, typed as it stands: the blocks marked "tutorial", in a copy of the repository.
+"""What the READMEs tell a newcomer to type, typed as it stands: the blocks marked "tutorial", in a copy of the
+repository.
 
 One shell runs them all, so that a file that one of them writes is there for the next. No network is needed.
 """
@@ -32,8 +33,15 @@ def repository(tmp_path_factory):
     assert len(blocks) == 7
     blocks.insert(0, "scripts/make_scenes.py door_ajar\n")  # as scripts/run does, which a reader has run by then
     own = {name: value for name, value in os.environ.items() if not name.startswith(("RESTIRPG_", "PYTHON"))}
-    run = subprocess.run(["bash", "-euo", "pipefail", "-c", "".join(blocks)], cwd=folder, env=own, stdout=subprocess.PIPE,
-                         stderr=subprocess.STDOUT, text=True, timeout=600)
+    run = subprocess.run(
+        ["bash", "-euo", "pipefail", "-c", "".join(blocks)],
+        cwd=folder,
+        env=own,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=600,
+    )
     (folder / "output.txt").write_text(run.stdout)
     assert run.returncode == 0, run.stdout
     return folder

@@ -26,7 +26,9 @@ pytest.importorskip("scikit_build_core", reason="python3-scikit-build-core is no
 def run(*command, cwd=None):
     """Run a command without the variables of the tests; returns what it printed."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("RESTIRPG_", "PYTHON"))}
-    done = subprocess.run([str(word) for word in command], cwd=cwd, env=environment, capture_output=True, text=True, timeout=600)
+    done = subprocess.run(
+        [str(word) for word in command], cwd=cwd, env=environment, capture_output=True, text=True, timeout=600
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -42,19 +44,42 @@ def environment(tmp_path_factory):
         shutil.copy(ROOT / name, source)
     for component in PROJECT["tool"]["scikit-build"]["install"]["components"]:
         run("cmake", "--install", BUILD, "--component", component, "--prefix", package)
-    run(sys.executable, "-m", "pip", "wheel", "--no-build-isolation", "--no-index", "--no-deps", "-w", folder,
-        "--config-settings", "wheel.cmake=false", source)
+    run(
+        sys.executable,
+        "-m",
+        "pip",
+        "wheel",
+        "--no-build-isolation",
+        "--no-index",
+        "--no-deps",
+        "-w",
+        folder,
+        "--config-settings",
+        "wheel.cmake=false",
+        source,
+    )
     run(sys.executable, "-m", "venv", "--without-pip", "--system-site-packages", folder / "venv")
-    run(sys.executable, "-m", "pip", "--python", folder / "venv/bin/python", "install", "--no-index", "--no-deps",
-        *folder.glob("restirpg-*.whl"))
+    run(
+        sys.executable,
+        "-m",
+        "pip",
+        "--python",
+        folder / "venv/bin/python",
+        "install",
+        "--no-index",
+        "--no-deps",
+        *folder.glob("restirpg-*.whl"),
+    )
     # What CMake puts into a wheel keeps its mode; what is copied from the sources does not.
     next(folder.glob("venv/lib/*/site-packages/restirpg/bin/restirpg")).chmod(0o755)
     return folder / "venv/bin"
 
 
 def test_what_is_imported_is_what_was_installed(environment, tmp_path):
-    code = "import json, restirpg, restirpg.harness, restirpg.scenes as s\n" \
-           "print(json.dumps([restirpg.__version__, restirpg._native.__file__, s.__file__, *restirpg.code_paths()], default=str))"
+    code = (
+        "import json, restirpg, restirpg.harness, restirpg.scenes as s\n"
+        "print(json.dumps([restirpg.__version__, restirpg._native.__file__, s.__file__, *restirpg.code_paths()], default=str))"
+    )
     version, *files = json.loads(run(environment / "python", "-c", code, cwd=tmp_path))
     assert f"VERSION {version} " in (ROOT / "CMakeLists.txt").read_text()
     assert len(files) > 3 and all(Path(file).is_relative_to(environment.parent) for file in files)
@@ -70,7 +95,18 @@ def test_two_methods_are_rendered_and_compared_from_another_folder(environment, 
     graphs = run(environment / "python", "-c", "import restirpg; print(restirpg.GRAPHS)").strip()
     run(environment / "restirpg-scenes", "cornell_box", cwd=tmp_path)
     scene = "out/scenes/cornell_box.glb"
-    run(environment / "restirpg", "render", f"{graphs}/path_tracer.py", "--scene", scene, "--size", "16x16", "-o", "a.exr", cwd=tmp_path)
+    run(
+        environment / "restirpg",
+        "render",
+        f"{graphs}/path_tracer.py",
+        "--scene",
+        scene,
+        "--size",
+        "16x16",
+        "-o",
+        "a.exr",
+        cwd=tmp_path,
+    )
     assert (tmp_path / "a.exr").stat().st_size > 0
     small = "--size 16x16 --frames 2 --seeds 2 --reference-frames 4 --reference-batches 2".split()
     methods = [f"{graphs}/path_tracer.py", f"{graphs}/path_tracer.py@paths.nee=false,label=other"]

@@ -5,7 +5,6 @@ The statistics, null hypothesis and false-alarm rate are those of scripts/restir
 to normal.
 """
 
-
 import numpy as np
 from renderer_scenes import make_renderer, restirpg
 
@@ -35,8 +34,9 @@ def write_every_light(folder):
     scene = LitScene("every_light", 0, environment=sky)
     gloss = Material("Gloss", (0.5, 0.35, 0.2), roughness=0.35)
     squares = np.kron(np.array([[255, 40], [90, 200]], np.uint8), np.ones((4, 4), np.uint8))
-    panel = emitter("Panel", (6.0, 5.0, 4.0), double_sided=True,
-                    emission_texture=Texture(np.repeat(squares[..., None], 3, axis=2)))
+    panel = emitter(
+        "Panel", (6.0, 5.0, 4.0), double_sided=True, emission_texture=Texture(np.repeat(squares[..., None], 3, axis=2))
+    )
     scene.add("Floor", (shapes.quad((-2, 0, 2), (4, 0, 0), (0, 0, -4)), gloss))
     scene.add("Wall", (shapes.quad((-2, 0, -1.2), (4, 0, 0), (0, 2.5, 0)), lambert("White", (0.7, 0.7, 0.7))))
     box = shapes.box((-0.3, 0, -0.3), (0.3, 0.9, 0.3)).turned("y", 30).moved(-0.5)
@@ -68,9 +68,15 @@ def direct_graph(**knobs):
     """ReSTIR DI alone, every frame's radiance as output."""
     graph = restirpg.Graph("Direct light")
     gbuffer = graph.add("gbuffer", "GBuffer", jitter=False)
-    direct = graph.add("direct", "ReSTIRDI", surface=gbuffer.surface, motion=gbuffer.motion,
-                       previous_surface=restirpg.prev("gbuffer.surface"),
-                       history=restirpg.prev("direct.reservoirs"), **knobs)
+    direct = graph.add(
+        "direct",
+        "ReSTIRDI",
+        surface=gbuffer.surface,
+        motion=gbuffer.motion,
+        previous_surface=restirpg.prev("gbuffer.surface"),
+        history=restirpg.prev("direct.reservoirs"),
+        **knobs,
+    )
     graph.output("radiance", direct.radiance)
     return graph
 
@@ -81,8 +87,9 @@ def make_reference(scene, frames, prepare=None, seed=99):
     gbuffer = graph.add("gbuffer", "GBuffer", jitter=False)
     for name, direct in (("all", True), ("delta", False)):
         paths = graph.add(name, "PathTracerGuided", surface=gbuffer.surface, direct=direct)
-        mean = graph.add(f"mean_{name}", "Accumulate", indirect=paths.radiance,
-                         history=restirpg.prev(f"mean_{name}.sums"))
+        mean = graph.add(
+            f"mean_{name}", "Accumulate", indirect=paths.radiance, history=restirpg.prev(f"mean_{name}.sums")
+        )
         graph.output(f"{name}_mean", mean.mean)
         graph.output(f"{name}_variance", mean.variance)
     renderer = make_renderer(scene, graph, seed=seed)

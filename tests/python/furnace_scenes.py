@@ -1,6 +1,5 @@
 """Scenes whose picture is known without rendering them, and z-tests of pictures against a number or each other."""
 
-
 import numpy as np
 from renderer_scenes import GRAPH, restirpg
 
@@ -27,8 +26,15 @@ def body_in_environment(folder, albedo):
 
 def run_means(file, runs, frames, size=(16, 16), backend=None, seed=0, energy_compensation=False, **knobs):
     """Image means of independent runs, float (R,): stretches of `frames` frames, each of which draws fresh numbers."""
-    renderer = restirpg.Renderer(restirpg.load_scene(file), restirpg.load_graph(GRAPH), size=size, seed=seed, backend=backend,
-                                 validation=True, energy_compensation=energy_compensation)
+    renderer = restirpg.Renderer(
+        restirpg.load_scene(file),
+        restirpg.load_graph(GRAPH),
+        size=size,
+        seed=seed,
+        backend=backend,
+        validation=True,
+        energy_compensation=energy_compensation,
+    )
     for name, value in knobs.items():
         renderer.set(f"paths.{name}", value)
     sums = [0.0]
@@ -39,7 +45,8 @@ def run_means(file, runs, frames, size=(16, 16), backend=None, seed=0, energy_co
 
 
 def standard_errors_off(means, expected):
-    """How many standard errors the mean of the runs is from `expected`. Where the runs do not vary, rounding to 1e-5 is one."""
+    """How many standard errors the mean of the runs is from `expected`. Where the runs do not vary, rounding to 1e-5 is
+    one."""
     error = max(means.std(ddof=1) / np.sqrt(len(means)), 1e-5 * abs(expected))
     return abs(means.mean() - expected) / error
 
@@ -60,7 +67,8 @@ def upright_strips(folder, *materials):
 
 
 def dark_half(folder):
-    """A floor with a black screen across: left of it a lamp and a white wall, right of it nothing that light could reach."""
+    """A floor with a black screen across: left of it a lamp and a white wall, right of it nothing that light could
+    reach."""
     scene = SceneFile("dark_half", 2)
     scene.add("Floor", (shapes.quad((-2, 0, 2), (4, 0, 0), (0, 0, -4)), lambert("White", (0.8, 0.8, 0.8))))
     scene.add("Screen", (shapes.quad((0, -9, 9), (0, 0, -18), (0, 18, 0)), lambert("Black", (0.0, 0.0, 0.0))))

@@ -45,8 +45,8 @@ def m_step(sums, count, before, knobs):
 
 def reseed(m, strangest, lobes):
     """Move the lightest of the first `lobes` lobes that is below 2% or another's twin (cosine above 0.999,
-    kappas within 1.5 times) to the direction `strangest`.  [shaders/README: The MAP fit] Returns the mixture, and by how
-    little a threshold was passed or missed."""
+    kappas within 1.5 times) to the direction `strangest`.  [shaders/README: The MAP fit] Returns the mixture, and by
+    how little a threshold was passed or missed."""
     mu, kappa, weight = m.mu[:lobes], m.kappa[:lobes], m.weight[:lobes]
     cosines = mu @ mu.T
     ratio = np.maximum.outer(kappa, kappa) / np.maximum(np.minimum.outer(kappa, kappa), 1e-20)
@@ -88,7 +88,9 @@ def batch_of(sums, places):
     """A frame's sums as a memory (25,), scaled so that the shares add up to the count of the samples.
     [shaders/README: The E-step]"""
     batch = np.r_[
-        sums["lanes"] / ONE, sums["bsdf"] / ONE, sums["count"],
+        sums["lanes"] / ONE,
+        sums["bsdf"] / ONE,
+        sums["count"],
         places["lanes"] / ONE if places is not None else np.zeros(7),
     ]
     total = batch[3:16:4].sum() + batch[BSDF]
@@ -133,12 +135,14 @@ def fit_cell(key, statistics, learns_alpha, grid, before, cells, knobs):
 
 def fit_guide(statistics, learns_alpha, grid, before, cells, knobs):
     """{key: FittedCell} of the whole guide."""
-    guide = {key: fit_cell(key, records, learns_alpha, grid, before, cells, knobs)
-             for key, records in statistics.items()}
+    guide = {
+        key: fit_cell(key, records, learns_alpha, grid, before, cells, knobs) for key, records in statistics.items()
+    }
     for key, records in cells.items():
         age = int(records[0]["age"]) + 1
         if key not in guide and age <= knobs["oldest"]:
             memory = memory_of(records[1]) if len(records) > 1 else None
-            guide[key] = FittedCell(mixture_of(records[0]), alpha_of(records[0]), age,
-                                    float(records[0]["samples"]), memory)
+            guide[key] = FittedCell(
+                mixture_of(records[0]), alpha_of(records[0]), age, float(records[0]["samples"]), memory
+            )
     return guide

@@ -61,9 +61,7 @@ def slots_are_reachable(keys):
     """Does a probe that begins at each key's own slot find it before an empty slot, within PROBES?"""
     capacity, taken = len(keys), np.flatnonzero(keys)
     words = keys[taken]
-    hashes = pcg4d(
-        (words & np.uint64(0xFFFFFFFF)).astype(np.uint32), (words >> np.uint64(32)).astype(np.uint32)
-    )
+    hashes = pcg4d((words & np.uint64(0xFFFFFFFF)).astype(np.uint32), (words >> np.uint64(32)).astype(np.uint32))
     home = (hashes ^ hashes >> np.uint32(16)) % capacity
     steps = (taken - home) % capacity
     return all(
@@ -79,8 +77,8 @@ def face_normals(face):
 
 
 def new_mixture(normal):
-    """Fibonacci set over the hemisphere of a face, kappa 3, equal weights.  [shaders/README: The MAP fit] [frame: Duff et
-    al. 2017]"""
+    """Fibonacci set over the hemisphere of a face, kappa 3, equal weights.  [shaders/README: The MAP fit] [frame: Duff
+    et al. 2017]"""
     k = np.arange(LOBES)
     z, phi = 1 - (k + 0.5) / LOBES, np.pi * (3 - np.sqrt(5)) * k
     r = np.sqrt(1 - z * z)
@@ -100,9 +98,7 @@ def previous_key(key, grid, before, cells):
         return None, False
     if key in cells:
         return key, False
-    other, doubtful = before.keys(
-        grid.center(key)[None], np.array([face_of(key)]), np.array([material_of(key)])
-    )
+    other, doubtful = before.keys(grid.center(key)[None], np.array([face_of(key)]), np.array([material_of(key)]))
     return (int(other[0]) if int(other[0]) in cells else None), bool(doubtful[0])
 
 
@@ -134,9 +130,7 @@ def e_step(samples, grid, before, cells, learns_alpha):
     for key in map(int, np.unique(keys)):
         mine = np.flatnonzero(keys == key)
         found, unsure = previous_key(key, grid, before, cells)
-        mixture = (
-            mixture_of(cells[found][0]) if found else new_mixture(face_normals(np.array([face_of(key)]))[0])
-        )
+        mixture = mixture_of(cells[found][0]) if found else new_mixture(face_normals(np.array([face_of(key)]))[0])
         by_bsdf = np.zeros(len(mine))
         if learns_alpha:
             alpha = alpha_of(cells[found][0]) if found else NEW_ALPHA

@@ -71,10 +71,18 @@ SLOW_OPTIONS = {"reference_frames": 64, "reference_batches": 4}
 
 @contextlib.contextmanager
 def under_way(folder, *methods, kept=8, environment=(), **options):
-    """A comparison's process, when so many results are kept and its runs are being rendered. It has a group of its own."""
+    """A comparison's process, when so many results are kept and its runs are being rendered. It has a group of its
+    own."""
     command = arguments(folder, *methods, **{**SLOW_OPTIONS, **options})
-    process = subprocess.Popen(command, cwd=folder, env={**ENVIRONMENT, **dict(environment)}, stdout=subprocess.DEVNULL,
-                               stderr=subprocess.PIPE, text=True, start_new_session=True)
+    process = subprocess.Popen(
+        command,
+        cwd=folder,
+        env={**ENVIRONMENT, **dict(environment)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
     try:
         while len(list((folder / "out/cache").glob("*.npz"))) < kept:
             assert process.poll() is None, f"it ended too soon: {process.communicate()}"

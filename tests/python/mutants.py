@@ -29,8 +29,13 @@ def patched_sources(patch, folder):
     for name in SOURCES:
         shutil.copytree(ROOT / name, folder / name)
     # The ceiling hides any repository around the folder: within one, git would leave the copies alone.
-    done = subprocess.run(["git", "apply", patch], cwd=folder, capture_output=True, text=True,
-                          env={**os.environ, "GIT_CEILING_DIRECTORIES": str(folder.resolve().parent)})
+    done = subprocess.run(
+        ["git", "apply", patch],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "GIT_CEILING_DIRECTORIES": str(folder.resolve().parent)},
+    )
     if done.returncode:
         reason = done.stderr.splitlines()[0].removeprefix("error: ")
         pytest.fail(f"{patch.name} no longer applies ({reason}); make the mistake anew in the sources", pytrace=False)

@@ -8,8 +8,7 @@ from restirpg.scenes import shapes
 from restirpg.scenes.gltf import Material, emitter, glass, lambert, metal
 
 COSINE, SINE = np.cos(np.radians(35)), np.sin(np.radians(35))
-OUTPUTS = ("stay", "neighbour", "previous", "neighbour_jacobian", "previous_jacobian", "spatial_sums",
-           "temporal_sums")
+OUTPUTS = ("stay", "neighbour", "previous", "neighbour_jacobian", "previous_jacobian", "spatial_sums", "temporal_sums")
 
 
 def write_every_bounce(folder):
@@ -49,11 +48,23 @@ def probe_graph(outputs=OUTPUTS):
     graph = restirpg.Graph("Shifts measured")
     gbuffer = graph.add("gbuffer", "GBuffer")
     paths = graph.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=4)
-    reuse = graph.add("reuse", "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates,
-                      motion=gbuffer.motion, previous_surface=restirpg.prev("gbuffer.surface"),
-                      history=restirpg.prev("reuse.reservoirs"))
-    probe = graph.add("probe", "ShiftProbe", surface=gbuffer.surface, reservoirs=reuse.reservoirs,
-                      previous_surface=restirpg.prev("gbuffer.surface"), history=restirpg.prev("reuse.reservoirs"))
+    reuse = graph.add(
+        "reuse",
+        "ReSTIRReuse",
+        surface=gbuffer.surface,
+        candidates=paths.candidates,
+        motion=gbuffer.motion,
+        previous_surface=restirpg.prev("gbuffer.surface"),
+        history=restirpg.prev("reuse.reservoirs"),
+    )
+    probe = graph.add(
+        "probe",
+        "ShiftProbe",
+        surface=gbuffer.surface,
+        reservoirs=reuse.reservoirs,
+        previous_surface=restirpg.prev("gbuffer.surface"),
+        history=restirpg.prev("reuse.reservoirs"),
+    )
     for name in outputs:
         graph.output(name, getattr(probe, name))
     return graph

@@ -47,7 +47,9 @@ def renderer(scene):
 
 def make_renderer(scene, graph=None, seed=0, size=SIZE, **options):
     """A renderer under the validation layer, any message of which is an error."""
-    return restirpg.Renderer(scene, graph or restirpg.load_graph(GRAPH), size=size, seed=seed, validation=True, **options)
+    return restirpg.Renderer(
+        scene, graph or restirpg.load_graph(GRAPH), size=size, seed=seed, validation=True, **options
+    )
 
 
 def frame_graph(**accumulate):
@@ -55,8 +57,14 @@ def frame_graph(**accumulate):
     graph = restirpg.Graph("Frames")
     gbuffer = graph.add("gbuffer", "GBuffer", jitter=True)
     paths = graph.add("paths", "PathTracerGuided", surface=gbuffer.surface, direct=True, bounces=2)
-    image = graph.add("accumulate", "Accumulate", indirect=paths.radiance, emission=gbuffer.emission,
-                      history=restirpg.prev("accumulate.sums"), **accumulate)
+    image = graph.add(
+        "accumulate",
+        "Accumulate",
+        indirect=paths.radiance,
+        emission=gbuffer.emission,
+        history=restirpg.prev("accumulate.sums"),
+        **accumulate,
+    )
     graph.output("mean", image.mean)
     graph.output("variance", image.variance)
     graph.output("radiance", paths.radiance)
@@ -70,23 +78,42 @@ def write_flying_panel(file, times=(0, 1), interpolation="LINEAR"):
     positions, count = [-9, -9, 0, 9, -9, 0, 9, 9, 0, -9, 9, 0], len(times)
     data = struct.pack("<12f6H", *positions, 0, 1, 2, 0, 2, 3)
     data += struct.pack(f"<{4 * count}f", *times, *[0] * 3 * (count - 1), 100, 0, 0)
-    ranges = [(0, 48), (48, 12), (60, 4 * count), (60 + 4 * count, 12 * count)]  # positions, indices, times, translations
+    ranges = [
+        (0, 48),
+        (48, 12),
+        (60, 4 * count),
+        (60 + 4 * count, 12 * count),
+    ]  # positions, indices, times, translations
     views = [{"buffer": 0, "byteOffset": offset, "byteLength": length} for offset, length in ranges]
     accessors = [
         {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-9, -9, 0], "max": [9, 9, 0]},
         {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"},
         {"bufferView": 2, "componentType": 5126, "count": count, "type": "SCALAR"},
-        {"bufferView": 3, "componentType": 5126, "count": count, "type": "VEC3"}]
+        {"bufferView": 3, "componentType": 5126, "count": count, "type": "VEC3"},
+    ]
     uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
-    file.write_text(json.dumps({
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
-        "nodes": [{"name": "Panel", "mesh": 0}, {"name": "Camera", "camera": 0, "translation": [0, 0, 5]}],
-        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
-        "materials": [{"emissiveFactor": [1, 1, 1]}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
-        "animations": [{"samplers": [{"input": 2, "output": 3, "interpolation": interpolation}],
-                        "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}],
-        "buffers": [{"uri": uri, "byteLength": len(data)}], "bufferViews": views, "accessors": accessors}))
+    file.write_text(
+        json.dumps(
+            {
+                "asset": {"version": "2.0"},
+                "scene": 0,
+                "scenes": [{"nodes": [0, 1]}],
+                "nodes": [{"name": "Panel", "mesh": 0}, {"name": "Camera", "camera": 0, "translation": [0, 0, 5]}],
+                "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
+                "materials": [{"emissiveFactor": [1, 1, 1]}],
+                "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+                "animations": [
+                    {
+                        "samplers": [{"input": 2, "output": 3, "interpolation": interpolation}],
+                        "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+                    }
+                ],
+                "buffers": [{"uri": uri, "byteLength": len(data)}],
+                "bufferViews": views,
+                "accessors": accessors,
+            }
+        )
+    )
     return file
 
 

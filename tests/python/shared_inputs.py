@@ -1,13 +1,15 @@
-"""The files of ../shared/inputs, each with the value that a correct renderer gives (shared_inputs.csv), and how one is measured.
+"""The files of ../shared/inputs, each with the value that a correct renderer gives (shared_inputs.csv), and how one is
+measured.
 
-Columns: `input`, a file; `options`, what differs from 64 frames of path_tracer.py at 16 x 16 (NAME=VALUE each: graph, frames, time,
-made_at: the time the renderer is made at, scene: what the input, an environment, is put into, allow_outside, to: what
-a ratio refers to); `quantity`; the `expected` value, within `tolerance`; `source`, where the value comes from; `was`, what
-commit aa3076d gave; `open`, what is still missing where a row is known to be wrong.
+Columns: `input`, a file; `options`, what differs from 64 frames of path_tracer.py at 16 x 16 (NAME=VALUE each: graph,
+frames, time, made_at: the time the renderer is made at, scene: what the input, an environment, is put into,
+allow_outside, to: what a ratio refers to); `quantity`; the `expected` value, within `tolerance`; `source`, where the
+value comes from; `was`, what commit aa3076d gave; `open`, what is still missing where a row is known to be wrong.
 
 Quantities: `mean` of the red channel; `centre`, that of the 4 x 4 pixels in the middle; `finite`, a picture of finite
-numbers; `ratio`, of the mean to that of the file `to` with the same random numbers; `variance`, of single frames' pixels,
-over that of the file `to`, at most `tolerance`; `refused`, one line that holds the expected words. `mean|refused` and `finite|refused` leave the choice.
+numbers; `ratio`, of the mean to that of the file `to` with the same random numbers; `variance`, of single frames'
+pixels, over that of the file `to`, at most `tolerance`; `refused`, one line that holds the expected words.
+`mean|refused` and `finite|refused` leave the choice.
 """
 
 import csv
@@ -68,8 +70,10 @@ def shared_folder():
 def rows():
     """The table."""
     with Path(__file__).with_name("shared_inputs.csv").open(newline="", encoding="utf-8") as file:
-        return [Row(**{**line, "options": dict(part.split("=", 1) for part in line["options"].split())})
-                for line in csv.DictReader(file)]
+        return [
+            Row(**{**line, "options": dict(part.split("=", 1) for part in line["options"].split())})
+            for line in csv.DictReader(file)
+        ]
 
 
 def open_renderer(row, file):
@@ -140,7 +144,9 @@ def watched(command):
     A small process of its own starts it: the kernel counts the memory of the process that starts a program as the
     program's, and the process of the tests may be large.
     """
-    process = subprocess.run([sys.executable, "-I", "-S", "-c", WATCH, str(LONGEST), *map(str, command)], capture_output=True)
+    process = subprocess.run(
+        [sys.executable, "-I", "-S", "-c", WATCH, str(LONGEST), *map(str, command)], capture_output=True
+    )
     errors = process.stderr.decode("utf-8", "backslashreplace")
     if process.returncode != 0:
         return -1, f"still running after {LONGEST} s", 0
@@ -152,9 +158,21 @@ def measure_program(row):
     """The same of a file that may crash, hang or swell its reader: by the program, which is watched."""
     with tempfile.TemporaryDirectory() as folder:
         picture = Path(folder) / "picture.exr"
-        code, errors, memory = watched([
-            PROGRAM, "render", ROOT / "graphs" / "path_tracer.py", "--scene", shared_folder() / "inputs" / row.input,
-            "--size", "16x16", "--frames", "8", "-o", picture])
+        code, errors, memory = watched(
+            [
+                PROGRAM,
+                "render",
+                ROOT / "graphs" / "path_tracer.py",
+                "--scene",
+                shared_folder() / "inputs" / row.input,
+                "--size",
+                "16x16",
+                "--frames",
+                "8",
+                "-o",
+                picture,
+            ]
+        )
         said = [line for line in errors.removesuffix("\n").split("\n") if not line.startswith("warning: ")]
         if memory > LARGEST_MEMORY:
             return Fault(f"{memory >> 20} MB of memory")
@@ -171,8 +189,10 @@ def time_that_is_no_number():
     graph = restirpg.load_graph(ROOT / "graphs" / "path_tracer.py")
     renderer = restirpg.Renderer(scene, graph, size=(8, 8))
     answers = []
-    for refuse in (lambda: renderer.set_time(float("nan")),
-                   lambda: restirpg.Renderer(scene, graph, size=(8, 8), fps=float("nan"))):
+    for refuse in (
+        lambda: renderer.set_time(float("nan")),
+        lambda: restirpg.Renderer(scene, graph, size=(8, 8), fps=float("nan")),
+    ):
         try:
             refuse()
             return Fault("accepted")

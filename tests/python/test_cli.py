@@ -42,9 +42,7 @@ def refusal(*arguments, folder=ROOT):
 def scene(tmp_path_factory):
     """A Cornell box."""
     folder = tmp_path_factory.mktemp("scenes")
-    subprocess.run(
-        [sys.executable, ROOT / "scripts" / "make_scenes.py", "cornell_box", "--out", folder], check=True
-    )
+    subprocess.run([sys.executable, ROOT / "scripts" / "make_scenes.py", "cornell_box", "--out", folder], check=True)
     return folder / "cornell_box.glb"
 
 
@@ -66,7 +64,9 @@ def test_rendering_writes_what_it_says(scene, tmp_path):
 def one_kernel(tmp_path_factory):
     """A graph of a single cheap kernel."""
     file = tmp_path_factory.mktemp("graphs") / "one_kernel.py"
-    file.write_text('from restirpg import Graph\ngraph = Graph("one")\ngraph.output("image", graph.add("a", "GBuffer").albedo)\n')
+    file.write_text(
+        'from restirpg import Graph\ngraph = Graph("one")\ngraph.output("image", graph.add("a", "GBuffer").albedo)\n'
+    )
     return file
 
 
@@ -98,7 +98,9 @@ def test_same_seed_same_bytes(scene, tmp_path):
 def test_errors_against_the_picture_itself_are_zero(scene, tmp_path):
     command = render_command(scene)
     assert restirpg(*command, folder=tmp_path)[0] == 0
-    assert refusal(*command, "--reference", "a.exr", folder=tmp_path).startswith("a.exr: cannot write: it is the file a.exr, which was read")
+    assert refusal(*command, "--reference", "a.exr", folder=tmp_path).startswith(
+        "a.exr: cannot write: it is the file a.exr, which was read"
+    )
     command[-1] = "b.exr"
     code, output, _ = restirpg(*command, "--reference", "a.exr", folder=tmp_path)
     assert code == 0
@@ -114,7 +116,10 @@ def test_a_full_disk_is_one_line_and_keeps_the_old_picture(scene, tmp_path):
         (tmp_path / "a.png").write_text("old")
         command = [*render_command(scene)[:-2], "--png", "a.png"]
         code, output, errors = restirpg(*command, folder=tmp_path)
-        assert (code, errors) == (2, "a.png: cannot write: No space left on device; free some space or choose another folder\n")
+        assert (code, errors) == (
+            2,
+            "a.png: cannot write: No space left on device; free some space or choose another folder\n",
+        )
         assert "wrote" not in output
         assert os.listdir(tmp_path) == ["a.png"]
         assert (tmp_path / "a.png").read_text() == "old"
@@ -133,9 +138,7 @@ def test_a_full_standard_output_is_one_line(command):
 def test_the_progress_bar_is_drawn_on_terminals_only(scene, tmp_path):
     command = render_command(scene, frames=3)
     master, slave = pty.openpty()
-    subprocess.run(
-        [PROGRAM, *map(str, command)], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=slave, check=True
-    )
+    subprocess.run([PROGRAM, *map(str, command)], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=slave, check=True)
     os.close(slave)
     drawn = os.read(master, 65536).decode()
     os.close(master)
@@ -172,8 +175,7 @@ def test_the_progress_bar_is_drawn_on_terminals_only(scene, tmp_path):
         ),
         (
             ["--output", "invalid", "--reference", "none.exr"],
-            "output 'invalid' has 1 channels, a --reference is compared with 3; "
-            "choose another with --output",
+            "output 'invalid' has 1 channels, a --reference is compared with 3; choose another with --output",
         ),
         (
             ["--nonsense"],
@@ -183,12 +185,11 @@ def test_the_progress_bar_is_drawn_on_terminals_only(scene, tmp_path):
         (["--set", "paths.bounces"], "--set paths.bounces: write PASS.KNOB=VALUE, as in paths.bounces=4"),
         (
             ["--set", "path.bounces=1"],
-            "graph 'Path tracer' has no pass 'path'; passes: gbuffer, paths, accumulate; "
-            "did you mean 'paths'?",
+            "graph 'Path tracer' has no pass 'path'; passes: gbuffer, paths, accumulate; did you mean 'paths'?",
         ),
         (
             ["--set", "paths.bounces=x"],
-            "pass 'paths' (PathTracerGuided): knob 'bounces' must be a whole number from 0 to " '64, not "x"',
+            "pass 'paths' (PathTracerGuided): knob 'bounces' must be a whole number from 0 to 64, not \"x\"",
         ),
         (
             ["--output", "picture"],
@@ -269,24 +270,30 @@ def test_every_so_many_frames_are_kept(scene, tmp_path):
 def test_a_name_steers_no_terminal(tmp_path):
     said = refusal("render", "g\x1b[2J\n.py", "--scene", "s", "-o", "a.exr", folder=tmp_path)
     assert said.startswith("g\\x1b[2J\\n.py: cannot read the graph file")
-    assert refusal("rend\x1b[2J") .startswith("restirpg: there is no subcommand 'rend\\x1b[2J'")
+    assert refusal("rend\x1b[2J").startswith("restirpg: there is no subcommand 'rend\\x1b[2J'")
     assert "\x1b" not in refusal("render", "--\x1b[2J")
 
 
-@pytest.mark.parametrize("kilobytes", [300000, 600000, 1000000])  # where drivers crash when they start, and when they compile
+@pytest.mark.parametrize(
+    "kilobytes", [300000, 600000, 1000000]
+)  # where drivers crash when they start, and when they compile
 @pytest.mark.parametrize("validation", ["0", "1"])
 def test_no_memory_is_one_line(scene, tmp_path, kilobytes, validation):
-    limited = ["bash", "-c", f"ulimit -v {kilobytes}; exec \"$@\"", "bash", str(PROGRAM)]
-    done = subprocess.run([*limited, *map(str, render_command(scene))], cwd=tmp_path, text=True, capture_output=True, check=False,
-                          env={**os.environ, "RESTIRPG_VALIDATION": validation})
+    limited = ["bash", "-c", f'ulimit -v {kilobytes}; exec "$@"', "bash", str(PROGRAM)]
+    done = subprocess.run(
+        [*limited, *map(str, render_command(scene))],
+        cwd=tmp_path,
+        text=True,
+        capture_output=True,
+        check=False,
+        env={**os.environ, "RESTIRPG_VALIDATION": validation},
+    )
     assert done.returncode == 2 and done.stderr.count("\n") == 1 and "raise that limit" in done.stderr, done.stderr
     assert os.listdir(tmp_path) == []
 
 
 def test_a_picture_must_go_somewhere(scene):
-    assert refusal("render", GRAPH, "--scene", scene).startswith(
-        "nothing to do with the picture; name a file with -o"
-    )
+    assert refusal("render", GRAPH, "--scene", scene).startswith("nothing to do with the picture; name a file with -o")
 
 
 def test_subcommands_are_asked_for():
@@ -327,9 +334,7 @@ def test_graph_mistakes_are_collected_and_located(tmp_path):
 def test_a_graph_is_printed_in_order_and_for_graphviz():
     code, output, errors = restirpg("graph", "graphs/path_tracer.py")
     assert (code, errors) == (0, "")
-    assert re.search(
-        r"0 +gbuffer +GBuffer +graphs/path_tracer.py:\d+\n +1 +paths .*\n +2 +accumulate ", output
-    )
+    assert re.search(r"0 +gbuffer +GBuffer +graphs/path_tracer.py:\d+\n +1 +paths .*\n +2 +accumulate ", output)
     assert re.search(r"accumulate.sums +accumulate.history +AccumulatorState +one frame later\n", output)
     assert restirpg("graph", "graphs/path_tracer.py", "--dot")[1].startswith('digraph "Path tracer" {\n')
 
@@ -362,8 +367,10 @@ def test_ports_of_passes_are_written_by_name(scene, tmp_path):
 
 def test_bash_completes_pass_types_and_options():
     def completed(*words):
-        script = (f"source {ROOT}/scripts/completion.bash; COMP_WORDS=({' '.join(words)}); "
-                  "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _restirpg; printf '%s\\n' \"${COMPREPLY[@]}\"")
+        script = (
+            f"source {ROOT}/scripts/completion.bash; COMP_WORDS=({' '.join(words)}); "
+            "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _restirpg; printf '%s\\n' \"${COMPREPLY[@]}\""
+        )
         return subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=True).stdout.split()
 
     assert completed(str(PROGRAM), "des") == ["describe"]
@@ -381,9 +388,15 @@ def test_the_benchmarks_refuse_in_one_line_and_show_their_options(scene, tmp_pat
         assert (done.returncode, done.stdout) == (2, ""), done.stderr
         return done.stderr
 
-    assert said("--graphs", "none.py") == "restirpg_bench: none.py: cannot read the graph file: No such file or directory\n"
+    assert (
+        said("--graphs", "none.py")
+        == "restirpg_bench: none.py: cannot read the graph file: No such file or directory\n"
+    )
     assert said("--graphs", "g.py").startswith("restirpg_bench: g.py:3: there is no pass type 'Nope'")
-    assert said("--scenes", tmp_path) == f"restirpg_bench: {tmp_path}: no such scene; scripts/make_scenes.py writes the embedded ones\n"
+    assert (
+        said("--scenes", tmp_path)
+        == f"restirpg_bench: {tmp_path}: no such scene; scripts/make_scenes.py writes the embedded ones\n"
+    )
     assert said("--scenes", scene, "--backends", "magic").startswith("restirpg_bench: no back end 'magic'")
     assert said("--scenes", scene, "--benchmark_filter=none") == "Failed to match any benchmarks against regex: none\n"
     assert said("--seed", "x") == "restirpg_bench: Could not convert: --seed = x; --help lists the options\n"
@@ -393,9 +406,7 @@ def test_the_benchmarks_refuse_in_one_line_and_show_their_options(scene, tmp_pat
     assert "--benchmark_filter" in options
 
 
-@pytest.mark.parametrize(
-    "readme", sorted((ROOT / "passes").glob("*/README.md")), ids=lambda file: file.parent.name
-)
+@pytest.mark.parametrize("readme", sorted((ROOT / "passes").glob("*/README.md")), ids=lambda file: file.parent.name)
 def test_the_tables_of_a_readme_are_those_the_pass_declares(readme):
     code, output, errors = restirpg("describe", readme.parent.name, "--markdown")
     assert (code, errors) == (0, "")
@@ -403,9 +414,22 @@ def test_the_tables_of_a_readme_are_those_the_pass_declares(readme):
 
 
 def test_a_python_program_answers_a_shell_that_asks_for_completions():
-    pytest.importorskip("argcomplete", reason="argcomplete is not installed: no completion of a Python program is tried")
+    pytest.importorskip(
+        "argcomplete", reason="argcomplete is not installed: no completion of a Python program is tried"
+    )
     line = f"{ROOT}/scripts/compare.py --den"
-    environment = {**os.environ, "_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n", "COMP_LINE": line, "COMP_POINT": str(len(line))}
-    run = subprocess.run(["bash", "-c", f"/usr/bin/python3 {ROOT}/scripts/compare.py 8>&1 >/dev/null"], env=environment,
-                         capture_output=True, text=True, check=False)
+    environment = {
+        **os.environ,
+        "_ARGCOMPLETE": "1",
+        "_ARGCOMPLETE_IFS": "\n",
+        "COMP_LINE": line,
+        "COMP_POINT": str(len(line)),
+    }
+    run = subprocess.run(
+        ["bash", "-c", f"/usr/bin/python3 {ROOT}/scripts/compare.py 8>&1 >/dev/null"],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert run.stdout.split() == ["--denoise"], run.stderr

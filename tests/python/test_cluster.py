@@ -13,7 +13,9 @@ from harness_runs import ENVIRONMENT, arguments, compare, tables
 
 from restirpg.harness.jobs import seed_of
 
-distributed = pytest.importorskip("distributed", reason="python3-distributed is not installed: no Dask worker has run a job")
+distributed = pytest.importorskip(
+    "distributed", reason="python3-distributed is not installed: no Dask worker has run a job"
+)
 
 SLOW = ["plain.json@sleep=0.1", "plain.json@noise=0.5,sleep=0.1,label=quiet"]  # 0.8 s a run
 SLOW_OPTIONS = {"reference_frames": 64, "reference_batches": 4}
@@ -38,8 +40,13 @@ sys.exit(compare.main(sys.argv[1:]))
 def start(folder, program, *arguments):
     """A program of Dask, not ours to import anything for."""
     log = open(folder / f"{program}.log", "ab")
-    return subprocess.Popen([sys.executable, "-m", f"distributed.cli.{program}", *arguments], cwd=folder,
-                            stdout=log, stderr=log, env={**ENVIRONMENT, "PYTHONPATH": ""})
+    return subprocess.Popen(
+        [sys.executable, "-m", f"distributed.cli.{program}", *arguments],
+        cwd=folder,
+        stdout=log,
+        stderr=log,
+        env={**ENVIRONMENT, "PYTHONPATH": ""},
+    )
 
 
 @pytest.fixture(scope="module")
@@ -47,8 +54,9 @@ def scheduler(tmp_path_factory):
     """The address of a scheduler."""
     folder = tmp_path_factory.mktemp("dask")
     file = folder / "scheduler.json"
-    process = start(folder, "dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file",
-                    str(file))
+    process = start(
+        folder, "dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file)
+    )
     while not (file.exists() and file.read_text().endswith("}")):
         assert process.poll() is None, (folder / "dask_scheduler.log").read_text()
         time.sleep(0.05)
@@ -60,8 +68,9 @@ def scheduler(tmp_path_factory):
 @pytest.fixture
 def two_workers(scheduler, tmp_path):
     """Two workers of it, each one process; a client that sees what they do."""
-    processes = [start(tmp_path, "dask_worker", scheduler, "--nthreads", "1", "--no-nanny", "--no-dashboard")
-                 for _ in range(2)]
+    processes = [
+        start(tmp_path, "dask_worker", scheduler, "--nthreads", "1", "--no-nanny", "--no-dashboard") for _ in range(2)
+    ]
     with distributed.Client(scheduler, set_as_default=False) as client:
         client.wait_for_workers(2, 60)
         yield client
@@ -73,8 +82,14 @@ def two_workers(scheduler, tmp_path):
 def test_a_worker_that_is_killed_loses_nothing_and_nothing_counts_twice(tmp_path, scheduler, two_workers):
     assert compare(tmp_path, *SLOW, out="local", **SLOW_OPTIONS).returncode == 0
     own = arguments(tmp_path, *SLOW, out="cluster", scheduler=scheduler, **SLOW_OPTIONS)[2:]
-    process = subprocess.Popen([sys.executable, "-c", COUNTED, *own], cwd=tmp_path, env=ENVIRONMENT,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [sys.executable, "-c", COUNTED, *own],
+        cwd=tmp_path,
+        env=ENVIRONMENT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
     kept = tmp_path / "cluster/cache"
     processes, busy = two_workers.run(os.getpid), []
     while len(list(kept.glob("*.npz"))) < 10 or not busy:  # 8 come before the first run: probes and the reference
@@ -87,7 +102,9 @@ def test_a_worker_that_is_killed_loses_nothing_and_nothing_counts_twice(tmp_path
     ended = collections.Counter(line for line in output.splitlines() if line.startswith("ended "))
     assert len(ended) == JOBS and set(ended.values()) == {1} and all(line.endswith(" None") for line in ended)
     assert tables(tmp_path, "cluster") == tables(tmp_path, "local")
-    assert {path.name for path in kept.glob("*.npz")} == {path.name for path in (tmp_path / "local/cache").glob("*.npz")}
+    assert {path.name for path in kept.glob("*.npz")} == {
+        path.name for path in (tmp_path / "local/cache").glob("*.npz")
+    }
 
 
 def test_a_run_that_fails_is_reported_as_with_local_workers(tmp_path, scheduler, two_workers):

@@ -46,9 +46,7 @@ def finished(tmp_path_factory):
 
 def test_errors_are_those_of_the_known_noise(finished):
     # relMSE of n frames of variance s^2: s^2 / n times the mean of T^2 / (T^2 + 0.01). Five standard errors.
-    spec = importlib.util.spec_from_file_location(
-        "fake", ROOT / "tests/python/fake_renderer/restirpg/_native.py"
-    )
+    spec = importlib.util.spec_from_file_location("fake", ROOT / "tests/python/fake_renderer/restirpg/_native.py")
     fake = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(fake)
     truth = fake.truth(64, 48)
@@ -56,9 +54,7 @@ def test_errors_are_those_of_the_known_noise(finished):
         row = summary(finished[0])[method]
         expected = noise**2 / 16 * np.mean(truth**2 / (truth**2 + 0.01))
         # The reference's own estimated variance (512 frames) is uncertain to 1%, a 30th of the error's.
-        assert (
-            abs(float(row["relmse_frame"]) - expected) < 5 * float(row["relmse_frame_se"]) + 0.002 * expected
-        )
+        assert abs(float(row["relmse_frame"]) - expected) < 5 * float(row["relmse_frame_se"]) + 0.002 * expected
         # A single frame's error is exponential: its mean absolute value is 2 / e of its standard deviation.
         y = (truth @ np.array([0.2126, 0.7152, 0.0722]))[..., None]
         single = noise * 2 / np.e * np.mean(truth / (y + 0.01 * y.mean()))
@@ -145,7 +141,9 @@ def test_a_failed_run_is_reported_and_the_rest_goes_on(tmp_path, knob, words):
 
 
 def test_without_a_baseline_nothing_else_takes_its_place(tmp_path):
-    run = compare(tmp_path, f"plain.json@fail_seed={seed_of(0, 'run', 0)},label=plain", "plain.json@label=other", seeds=1)
+    run = compare(
+        tmp_path, f"plain.json@fail_seed={seed_of(0, 'run', 0)},label=plain", "plain.json@label=other", seeds=1
+    )
     assert run.returncode == 1 and not summary(tmp_path)
     assert "scene.gltf: left out: no run of 'plain', the baseline, was finished" in run.stderr
 
@@ -210,7 +208,11 @@ def test_a_picture_can_be_the_reference(tmp_path):
         (["plain.json"], {"scenes": ["scene.gltf", "again/scene.gltf"]}, "two scenes would be called 'scene'"),
         (["plain.json"], {"scenes": ["scene.gltf", "broken.glb"], "reference": "x.exr"}, "reference of 2 scenes"),
         (["bad.json"], {}, "bad.json: not JSON"),
-        (["plain.json"], {"out": "plain.json"}, "plain.json: cannot be written to: not a folder; choose another folder with"),
+        (
+            ["plain.json"],
+            {"out": "plain.json"},
+            "plain.json: cannot be written to: not a folder; choose another folder with",
+        ),
         (["plain.json"], {"camera": -1}, "'-1' is not a whole number of at least 0"),
         (["plain.json"], {"seeds": 10**12}, "at most 1000000"),
         (["plain.json"], {"at": "1,99999999999"}, "no ascending list"),
@@ -232,9 +234,7 @@ def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, methods, options, words
 
 
 def test_a_job_is_named_by_its_content_alone():
-    job = Job(
-        scene="a.glb", scene_hash="1", graph="g.py", description="{}", size=(8, 8), frames=2, seed=3, code="c"
-    )
+    job = Job(scene="a.glb", scene_hash="1", graph="g.py", description="{}", size=(8, 8), frames=2, seed=3, code="c")
     same = Job(
         scene="b.glb",
         scene_hash="1",

@@ -1,4 +1,5 @@
-"""scripts/compare.py --equal-frame-time on the fake renderer, whose frames cost 0.25 + ms + neighbours / 2 milliseconds."""
+"""scripts/compare.py --equal-frame-time on the fake renderer, whose frames cost 0.25 + ms + neighbours / 2
+milliseconds."""
 
 import csv
 
@@ -48,7 +49,9 @@ def test_a_method_that_stays_cheaper_is_compared_at_the_knobs_largest_value(tmp_
     assert run.returncode == 0, run.stderr
     row = read(tmp_path, "equal_time.csv")["plain"]
     assert row["setting"] == "paths.neighbours=8.00, the largest: 0.61 of the time"
-    assert float(row["mape"]) == pytest.approx(float(read(tmp_path, "summary.csv")["plain paths.neighbours=8"]["mape_single"]))
+    assert float(row["mape"]) == pytest.approx(
+        float(read(tmp_path, "summary.csv")["plain paths.neighbours=8"]["mape_single"])
+    )
 
 
 def test_of_equal_cost_nothing_is_raised(tmp_path):
@@ -63,6 +66,8 @@ def test_a_knob_that_no_method_has_is_refused(tmp_path):
 
 
 def test_it_is_measured_in_tiles_too(tmp_path):
-    run = compare(tmp_path, "plain.json", "plain.json@ms=3.7,label=dear", **{**KNOB, "at": "7,8", "tiles": 6, "tile_size": 8})
+    run = compare(
+        tmp_path, "plain.json", "plain.json@ms=3.7,label=dear", **{**KNOB, "at": "7,8", "tiles": 6, "tile_size": 8}
+    )
     assert run.returncode == 0, run.stderr
     assert read(tmp_path, "equal_time.csv")["plain"]["setting"] == "paths.neighbours=3.40"

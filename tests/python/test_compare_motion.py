@@ -28,15 +28,26 @@ def write_scene(folder, times=(0.0, 9.0), interpolation="LINEAR"):
 def options_of(folder, **options):
     """Of a comparison whose reference has no noise."""
     reference = write_graph(folder, "exact", noise=0)
-    return {"scenes": "moving.gltf", "seeds": 3, "frames": 16, "reference_graph": reference,
-            "reference_frames": 4, "reference_batches": 2, **options}
+    return {
+        "scenes": "moving.gltf",
+        "seeds": 3,
+        "frames": 16,
+        "reference_graph": reference,
+        "reference_frames": 4,
+        "reference_batches": 2,
+        **options,
+    }
 
 
 def frames(folder):
     """frames.csv: (method, frame) -> {column: value}."""
     with open(folder / "out/frames.csv") as file:
-        return {(row["method"], int(row["frame"])): {name: float(row[name]) for name in row if "_" in name or name in
-                                                     ("mape", "relmse", "bias")} for row in csv.DictReader(file)}
+        return {
+            (row["method"], int(row["frame"])): {
+                name: float(row[name]) for name in row if "_" in name or name in ("mape", "relmse", "bias")
+            }
+            for row in csv.DictReader(file)
+        }
 
 
 def referred(folder):
@@ -75,8 +86,9 @@ sys.exit(compare.main(sys.argv[1:]))
 def test_the_reference_of_the_frame_before_shows_as_an_error(tmp_path):
     write_scene(tmp_path)
     own = arguments(tmp_path, *METHODS, **options_of(tmp_path, at="2,5", fps=4))[2:]
-    run = subprocess.run([sys.executable, "-c", INJECTION, *own], cwd=tmp_path,
-                         env=ENVIRONMENT, capture_output=True, text=True)
+    run = subprocess.run(
+        [sys.executable, "-c", INJECTION, *own], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True
+    )
     assert run.returncode == 0, run.stderr
     assert all(frames(tmp_path)["quiet", frame]["mape"] > 0.1 for frame in (2, 5))
 
@@ -104,11 +116,14 @@ def test_frames_of_a_still_scene_have_the_reference_of_its_mean(tmp_path):
     assert all(row["mape"] < 1e-5 for row in frames(tmp_path).values())
 
 
-@pytest.mark.parametrize("times, interpolation, held", [
-    ((1.0, 2.0), "LINEAR", {0.5: 0, 1.0: 0, 1.5: 1.5, 2.0: 2, 3.0: 2}),
-    ((0.5, 2.0), "STEP", {0.5: 0, 1.5: 0, 2.0: 2, 3.0: 2}),
-    ((0.0, 1.0, 2.0), "STEP", {1.5: 1.5}),  # what is between its keys is not looked up
-])
+@pytest.mark.parametrize(
+    "times, interpolation, held",
+    [
+        ((1.0, 2.0), "LINEAR", {0.5: 0, 1.0: 0, 1.5: 1.5, 2.0: 2, 3.0: 2}),
+        ((0.5, 2.0), "STEP", {0.5: 0, 1.5: 0, 2.0: 2, 3.0: 2}),
+        ((0.0, 1.0, 2.0), "STEP", {1.5: 1.5}),  # what is between its keys is not looked up
+    ],
+)
 def test_an_animation_stands_before_between_and_after_what_moves_it(tmp_path, times, interpolation, held):
     write_flying_panel(tmp_path / "panel.gltf", times, interpolation)
     facts = scenes.facts_of("", restirpg.load_scene(tmp_path / "panel.gltf"))
@@ -143,14 +158,32 @@ def test_the_renderer_shows_what_its_reference_shows(tmp_path):
     """A panel that flies out of the view, and nothing but its own emission: no noise, so no error at all."""
     write_flying_panel(tmp_path / "panel.gltf")
     graph = f"{ROOT}/graphs/path_tracer.py@gbuffer.jitter=false"
-    command = [sys.executable, ROOT / "scripts/compare.py", graph, "--scenes", "panel.gltf", "--size", "16x8", "--at",
-               "1,2,3", "--fps", "16", "--circle", "0.3", "--seeds", "2", "--reference-frames", "2",
-               "--reference-batches", "2", "--out", "out"]
+    command = [
+        sys.executable,
+        ROOT / "scripts/compare.py",
+        graph,
+        "--scenes",
+        "panel.gltf",
+        "--size",
+        "16x8",
+        "--at",
+        "1,2,3",
+        "--fps",
+        "16",
+        "--circle",
+        "0.3",
+        "--seeds",
+        "2",
+        "--reference-frames",
+        "2",
+        "--reference-batches",
+        "2",
+        "--out",
+        "out",
+    ]
     environment = {**os.environ, "RESTIRPG_VALIDATION": "1"}
     run = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     rows = frames(tmp_path)
     assert len(rows) == 3 and all(row["mape"] < 1e-5 for row in rows.values())
     assert Motion(0.3, 16).pose(2) == (0, 1 / 16)
-
-

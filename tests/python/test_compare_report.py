@@ -22,9 +22,7 @@ CENTRE = (
 def report(tmp_path_factory):
     """A report of two methods, one of them with a label that must be escaped."""
     folder = tmp_path_factory.mktemp("report")
-    run = compare(
-        folder, "plain.json", "plain.json@gain=4,noise=0.1,label=four</script> times", size="64x32", frames=4
-    )
+    run = compare(folder, "plain.json", "plain.json@gain=4,noise=0.1,label=four</script> times", size="64x32", frames=4)
     assert run.returncode == 0, run.stderr
     return folder / "out/report.html"
 
@@ -70,9 +68,13 @@ def test_it_opens_with_its_verdict_and_the_first_and_the_last_method_side_by_sid
         "s => document.querySelector(s).getBoundingClientRect().top)"
     )
     assert top == sorted(top)
-    assert re.match(r"In single frames, .* has [\d.e+]+% more error than plain; ", browser.run(
-        "return document.querySelector('.verdict').textContent"))
-    shown = browser.run("const s = viewers[0].state; return [viewers[0].pictures[s.a].label, viewers[0].pictures[s.b].label, s.view]")
+    assert re.match(
+        r"In single frames, .* has [\d.e+]+% more error than plain; ",
+        browser.run("return document.querySelector('.verdict').textContent"),
+    )
+    shown = browser.run(
+        "const s = viewers[0].state; return [viewers[0].pictures[s.a].label, viewers[0].pictures[s.b].label, s.view]"
+    )
     assert shown == ["plain", "four</script> times", "frame"]
     assert browser.run("return document.querySelectorAll('details[open]').length") == 0
 
@@ -191,13 +193,14 @@ def test_tables_charts_graphs_and_provenance_are_there(browser, report, tmp_path
         "code hash",
     ):
         assert words in text
-    assert browser.run(
-        "return Array.from(document.querySelectorAll('.charts img')).every(i => i.naturalWidth > 0)"
-    )
+    assert browser.run("return Array.from(document.querySelectorAll('.charts img')).every(i => i.naturalWidth > 0)")
     browser.run("document.querySelectorAll('details').forEach(each => each.open = true)")
-    assert browser.run(
-        "return Array.from(document.querySelectorAll('.differs td'), e => e.textContent.trim())"
-    ) == ["gain = 1.0", "gain = 4", "noise = 1.0", "noise = 0.1"]
+    assert browser.run("return Array.from(document.querySelectorAll('.differs td'), e => e.textContent.trim())") == [
+        "gain = 1.0",
+        "gain = 4",
+        "noise = 1.0",
+        "noise = 0.1",
+    ]
     browser.screenshot(tmp_path / "report.png")
     assert (tmp_path / "report.png").stat().st_size > 10000
 

@@ -5,6 +5,7 @@ import pytest
 from scipy import stats
 
 from restirpg.harness import statistics as st
+from restirpg.harness.jobs import Job
 from restirpg.harness.measure import TemporalSums
 
 
@@ -121,3 +122,12 @@ def test_block_means_leave_out_the_rest():
     image = np.arange(10 * 9).reshape(10, 9)
     np.testing.assert_array_equal(st.block_means(image, 8), [[image[:8, :8].mean()]])
     np.testing.assert_array_equal(st.block_means(image[:4, :4], 8), [[image[:4, :4].mean()]])
+
+
+def test_a_long_run_is_measured_at_spread_frames_and_at_its_last_ones():
+    job = Job(
+        scene="", scene_hash="", graph="", description="{}", size=(1, 1), frames=1000, seed=0, code="", reference="r"
+    )
+    frames = job.frames_measured()
+    assert frames[0] == 1 and set(range(969, 1001)) <= set(frames) and frames == sorted(set(frames))
+    assert 64 < len(frames) < 96

@@ -45,8 +45,8 @@ def estimates(count, draws):
 
 
 def test_the_mean_over_tiles_is_the_pictures_error_without_bias():
-    # Null hypothesis: the mean of 2000 estimates by 24 of 96 tiles is the whole picture's MAPE. False alarm: 1 in 16,000
-    # (4 standard errors). A bias of 2% of MAPE is 6 standard errors.
+    # Null hypothesis: the mean of 2000 estimates by 24 of 96 tiles is the whole picture's MAPE. False alarm: 1 in
+    # 16,000 (4 standard errors). A bias of 2% of MAPE is 6 standard errors.
     difference, claimed = estimates(24, 2000)
     mean, se = st.mean_se(difference)
     assert abs(mean) < 4 * se < 0.004

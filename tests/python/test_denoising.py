@@ -26,7 +26,9 @@ def test_without_the_package_one_line_says_what_to_install(monkeypatch):
 
 def test_the_denoiser_is_given_clean_pictures_of_one_shape(monkeypatch):
     given = {}
-    stand_in = types.SimpleNamespace(denoise=lambda *images, **settings: given.update(images=images, **settings) or images[0])
+    stand_in = types.SimpleNamespace(
+        denoise=lambda *images, **settings: given.update(images=images, **settings) or images[0]
+    )
     monkeypatch.setitem(sys.modules, "pyoidn", stand_in)
     image = np.array([[[np.nan, -1, 2]]])
     restirpg.denoise(image, albedo=np.ones((1, 1, 3)))
@@ -36,7 +38,7 @@ def test_the_denoiser_is_given_clean_pictures_of_one_shape(monkeypatch):
 
 
 @pytest.mark.skipif(not importlib.util.find_spec("pyoidn"), reason="pyoidn is not installed: no picture is denoised")
-def test_a_denoised_picture_is_nearer_to_the_truth(scene):  # noqa: F811
+def test_a_denoised_picture_is_nearer_to_the_truth(scene):
     renderer = make_renderer(scene, outputs=["albedo", "normal"])
     renderer.render(2)
     noisy, aids = renderer.output("image"), [renderer.output(name) for name in ("albedo", "normal")]
@@ -57,9 +59,18 @@ def test_errors_after_denoising_stand_apart(tmp_path, monkeypatch):
     assert not (tmp_path / "plain/denoised.csv").exists()
     for name in ("summary.csv", "runs.csv"):  # the other figures do not change
         assert (tmp_path / "out" / name).read_text() == (tmp_path / "plain" / name).read_text()
-    assert "Error after denoising" in run.stdout and "Error after denoising" not in (tmp_path / "plain/tables.txt").read_text()
-    before = {(row["method"], row["seed"]): float(row["mape"]) for row in rows(tmp_path / "out/runs.csv") if row["frame"] == "8"}
-    after = {(row["method"], row["seed"]): float(row["mape_denoised_image"]) for row in rows(tmp_path / "out/denoised.csv")}
+    assert (
+        "Error after denoising" in run.stdout
+        and "Error after denoising" not in (tmp_path / "plain/tables.txt").read_text()
+    )
+    before = {
+        (row["method"], row["seed"]): float(row["mape"])
+        for row in rows(tmp_path / "out/runs.csv")
+        if row["frame"] == "8"
+    }
+    after = {
+        (row["method"], row["seed"]): float(row["mape_denoised_image"]) for row in rows(tmp_path / "out/denoised.csv")
+    }
     assert len(after) == 8 and all(after[run] == pytest.approx(0.5 * before[run], rel=0.1) for run in after)
     page = (tmp_path / "out/report.html").read_text()
     assert "last frame, denoised" in page and "FLIP of the last frame" in page

@@ -28,8 +28,12 @@ def citations(text):
 
 def test_every_cited_heading_exists():
     known = headings()
-    missing = [f"{file.relative_to(ROOT)}: {heading}" for file in tracked_sources()
-               for heading in citations(file.read_text()) if heading not in known]
+    missing = [
+        f"{file.relative_to(ROOT)}: {heading}"
+        for file in tracked_sources()
+        for heading in citations(file.read_text())
+        if heading not in known
+    ]
     assert not missing
 
 
@@ -42,8 +46,13 @@ def test_files_named_by_the_pages_exist():
     missing = []
     for page in (THEORY, ROOT / "framework/README.md"):
         for name in re.findall(r"`([\w/]+\.(?:glsl|comp|cpp|h|py|ocio))`", page.read_text()):
-            places = [page.parent / name, ROOT / name, ROOT / "passes" / name, ROOT / "framework" / name,
-                      ROOT / "framework/shaders" / name]
+            places = [
+                page.parent / name,
+                ROOT / name,
+                ROOT / "passes" / name,
+                ROOT / "framework" / name,
+                ROOT / "framework/shaders" / name,
+            ]
             if not any(place.is_file() for place in places):
                 missing.append(f"{page.relative_to(ROOT)}: {name}")
     assert not missing
@@ -52,7 +61,10 @@ def test_files_named_by_the_pages_exist():
 def anchors(page):
     """The names by which a page's headings are linked to, as code hosts make them."""
     text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
-    names = [re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in re.findall(r"^#+ (.+)$", text, re.MULTILINE)]
+    names = [
+        re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+        for heading in re.findall(r"^#+ (.+)$", text, re.MULTILINE)
+    ]
     return set(names)
 
 
@@ -76,4 +88,6 @@ def test_links_between_pages_lead_somewhere():
 def test_a_broken_link_would_be_found():
     page = ROOT / "README.md"
     assert broken_links(page, "[a](no/such.md) [b](#what-it-finds) [c](tests/README.md#no-such-heading)") == [
-        "no/such.md", "tests/README.md#no-such-heading"]
+        "no/such.md",
+        "tests/README.md#no-such-heading",
+    ]

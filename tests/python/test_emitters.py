@@ -5,10 +5,9 @@ Null hypothesis of each comparison: both scenes have one expected image mean. RU
 are within a factor of 3.4 of each other but for 0.1% of the time (F test, 23 degrees of freedom each).
 """
 
-
 import numpy as np
 import pytest
-from furnace_scenes import run_means, standard_errors_off
+from furnace_scenes import run_means
 from renderer_scenes import ROOT, make_renderer, restirpg
 
 from restirpg.scenes import shapes
@@ -81,9 +80,9 @@ def test_one_bright_texel_is_the_light_that_its_square_is(tmp_path, nearest):
     square = means_of(texel_scene(tmp_path, "square", row, column))
     print(f"sign {sign.mean():.5f} +- {sign.std():.5f}, square {square.mean():.5f} +- {square.std():.5f} a run")
     assert difference(sign, square) < LIMIT
-    # Of all points drawn about one in two lies on the texel (uniform ones: one in 9216). One in n would give a relative variance
-    # of n - 1 a sample.
-    assert sign.var(ddof=1) / sign.mean()**2 * 256 * FRAMES < 4 * VARIANCE_RATIO
+    # Of all points drawn about one in two lies on the texel (uniform ones: one in 9216). One in n would give a relative
+    # variance of n - 1 a sample.
+    assert sign.var(ddof=1) / sign.mean() ** 2 * 256 * FRAMES < 4 * VARIANCE_RATIO
 
 
 def test_columns_of_diodes_have_the_variance_of_a_panel_wherever_they_stand(tmp_path):
@@ -122,8 +121,9 @@ def test_a_lamp_that_grows_is_a_lamp(tmp_path):
 def lit_solid(tmp_path_factory):
     """A small white patch in the middle of a glowing solid of radius 1 that lets through 1/5 of the light a metre."""
     scene = SceneFile("lit_solid", 0)
-    shell = emitter("Shell", (1.0,) * 3, double_sided=True, thickness=1.0, attenuation_color=(0.2,) * 3,
-                    attenuation_distance=1.0)
+    shell = emitter(
+        "Shell", (1.0,) * 3, double_sided=True, thickness=1.0, attenuation_color=(0.2,) * 3, attenuation_distance=1.0
+    )
     scene.add("Shell", (shapes.icosphere(1.0, 3).faceted(), shell))
     patch = shapes.quad((-0.05, 0, 0.05), (0.1, 0, 0), (0, 0, -0.1))
     scene.add("Patch", (patch, lambert("White", (0.8, 0.8, 0.8))))

@@ -1,10 +1,9 @@
 """Energy is flat over what ReSTIR PT reuses: rounds, neighbours and cap change the noise, never the mean.
 
-Null hypothesis: the path tracer and all SETTINGS have one image mean (indirect light of the diffuse Cornell box). Chi-square
-over their means, of RUNS runs each of which frame FRAME is one sample; a false alarm of 1%. Darkening with rounds is a mistake in
-the MIS weights, with the cap one in the confidences.
+Null hypothesis: the path tracer and all SETTINGS have one image mean (indirect light of the diffuse Cornell box).
+Chi-square over their means, of RUNS runs each of which frame FRAME is one sample; a false alarm of 1%. Darkening with
+rounds is a mistake in the MIS weights, with the cap one in the confidences.
 """
-
 
 import numpy as np
 import pytest
@@ -18,9 +17,13 @@ from restirpg.harness.unbiased import independent_runs
 RUNS, FRAME, SIZE, BOUNCES = 96, 6, (24, 24), 2
 BATCHES, BATCH_FRAMES = 96, 32  # of the path tracer
 SETTINGS = [
-    {"temporal": False, "rounds": 0}, {"rounds": 0, "cap": 1.0}, {"rounds": 0, "cap": 100.0},
-    {"temporal": False, "rounds": 2, "neighbours": 6}, {"rounds": 1, "neighbours": 1, "cap": 20.0},
-    {"rounds": 1, "neighbours": 6, "cap": 100.0}, {"rounds": 3, "neighbours": 2, "cap": 1.0},
+    {"temporal": False, "rounds": 0},
+    {"rounds": 0, "cap": 1.0},
+    {"rounds": 0, "cap": 100.0},
+    {"temporal": False, "rounds": 2, "neighbours": 6},
+    {"rounds": 1, "neighbours": 1, "cap": 20.0},
+    {"rounds": 1, "neighbours": 6, "cap": 100.0},
+    {"rounds": 3, "neighbours": 2, "cap": 1.0},
     {"rounds": 4, "neighbours": 6, "cap": 20.0},
 ]
 DEFAULTS = {"temporal": True, "neighbours": 3, "cap": 20.0}
@@ -35,20 +38,27 @@ def resampled(accumulate):
         image = g.add("accumulate", "Accumulate", indirect=paths.radiance, history=restirpg.prev("accumulate.sums"))
         g.output("radiance", image.mean)
     else:
-        reuse = g.add("reuse", "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates, motion=gbuffer.motion,
-                      previous_surface=restirpg.prev("gbuffer.surface"), history=restirpg.prev("reuse.reservoirs"))
+        reuse = g.add(
+            "reuse",
+            "ReSTIRReuse",
+            surface=gbuffer.surface,
+            candidates=paths.candidates,
+            motion=gbuffer.motion,
+            previous_surface=restirpg.prev("gbuffer.surface"),
+            history=restirpg.prev("reuse.reservoirs"),
+        )
         g.output("radiance", reuse.radiance)
     return g
 
 
-def make_resampled(scene):  # noqa: F811
+def make_resampled(scene):
     renderer = make_renderer(scene, resampled(False), size=SIZE)
     renderer.set("paths.bounces", BOUNCES)
     return renderer
 
 
 @pytest.fixture(scope="module")
-def path_traced(scene):  # noqa: F811
+def path_traced(scene):
     """Image means of the path tracer's batches."""
     renderer = make_renderer(scene, resampled(True), size=SIZE)
     renderer.set("paths.bounces", BOUNCES)
@@ -67,14 +77,14 @@ def flatness(samples):
     """p-value of all sets of samples having one mean (chi-square of the means about their weighted mean)."""
     means = np.array([values.mean() for values in samples])
     errors = np.array([values.std(ddof=1) / np.sqrt(len(values)) for values in samples])
-    weights = errors ** -2
+    weights = errors**-2
     average = weights @ means / weights.sum()
     for mean, error in zip(means, errors):
         print(f"    ratio {mean / average:.4f} +- {error / average:.4f}")
     return float(stats.chi2.sf(np.sum(((means - average) / errors) ** 2), len(means) - 1))
 
 
-def test_energy_does_not_depend_on_what_is_reused(scene, path_traced):  # noqa: F811
+def test_energy_does_not_depend_on_what_is_reused(scene, path_traced):
     renderer = make_resampled(scene)
     samples = [path_traced, *(means_of(renderer, settings) for settings in SETTINGS)]
     p = flatness(samples)

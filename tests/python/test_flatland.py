@@ -6,7 +6,6 @@ share samples within a run, runs are independent. Must be rejected: reuse weight
 participants instead of the balance heuristic (z = 6.2).
 """
 
-
 import numpy as np
 import pytest
 from scipy import stats

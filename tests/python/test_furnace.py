@@ -1,7 +1,8 @@
 """Furnaces: scenes of one radiance everywhere, which the path tracer must reproduce.
 
-Null hypothesis of each case: the expected image mean is the analytic one; 16 runs of 4 frames at 16 x 16. Three standard errors
-with 15 degrees of freedom are a false alarm of 0.9% a case, but the seeds are fixed: a case that passes keeps passing.
+Null hypothesis of each case: the expected image mean is the analytic one; 16 runs of 4 frames at 16 x 16. Three
+standard errors with 15 degrees of freedom are a false alarm of 0.9% a case, but the seeds are fixed: a case that passes
+keeps passing.
 """
 
 import pytest
@@ -61,7 +62,11 @@ def test_a_convex_body_in_a_constant_environment_shows_its_albedo(folder, albedo
 
 def test_energy_compensation_gives_rough_white_surfaces_their_light_back(folder):
     """Metal and a frosted pane before a sky of radiance 1, which are flat: no light comes from one to the other."""
-    file = upright_strips(folder, metal("Roughest", WHITE, 1.0), metal("Rough", WHITE, 0.5),
-                          Material("Frosted", WHITE, roughness=0.7, transmission=1.0))
+    file = upright_strips(
+        folder,
+        metal("Roughest", WHITE, 1.0),
+        metal("Rough", WHITE, 0.5),
+        Material("Frosted", WHITE, roughness=0.7, transmission=1.0),
+    )
     assert abs(run_means(file, RUNS, FRAMES, energy_compensation=True).mean() - 1) < 0.01
     assert run_means(file, RUNS, FRAMES).mean() < 0.8

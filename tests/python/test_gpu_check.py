@@ -8,7 +8,14 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PROGRAMS = ("scripts/run", "scripts/make_scenes.py", "scripts/compare.py", "benchmarks/paper_size.py", "bin/ninja", "bin/ctest")
+PROGRAMS = (
+    "scripts/run",
+    "scripts/make_scenes.py",
+    "scripts/compare.py",
+    "benchmarks/paper_size.py",
+    "bin/ninja",
+    "bin/ctest",
+)
 STAND_IN = """#!/bin/bash
 echo "$(basename "$0") $* [${RESTIRPG_TEST_DEVICE:-}]" >> calls.txt
 [[ $(basename "$0") == run ]] && echo "0 Some GPU"
@@ -45,7 +52,9 @@ def test_every_step_is_done_on_the_device(clone):
     assert done.stdout.count(": right, ") == 7
 
 
-@pytest.mark.parametrize("failing, step", [("ctest", "tests"), ("compare.py", "same picture"), ("paper_size.py", "cost and error")])
+@pytest.mark.parametrize(
+    "failing, step", [("ctest", "tests"), ("compare.py", "same picture"), ("paper_size.py", "cost and error")]
+)
 def test_a_step_that_fails_is_named_and_the_rest_goes_on(clone, failing, step):
     done = check(clone, "Some", "out", failing=failing)
     assert done.returncode == 1 and f"{step}: FAILED" in done.stdout

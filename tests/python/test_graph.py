@@ -13,6 +13,7 @@ from restirpg import Graph, GraphError, Port, prev
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "scripts"
 
+
 def evaluate(file, folder):
     """Run the evaluator as the program does. Returns (exit code, standard output, standard error)."""
     done = subprocess.run(
@@ -59,8 +60,7 @@ def test_keywords_become_inputs_and_knobs():
 def test_places_are_those_of_the_calls():
     graph = Graph("G")
     line = sys._getframe().f_lineno + 1
-    node = graph.add("a", "A",
-                     bounces=3)
+    node = graph.add("a", "A", bounces=3)
     graph.output("image", node.mean)
     described = graph.description()
     assert described["passes"][0]["line"] == line
@@ -126,12 +126,9 @@ def test_outputs_are_undelayed_ports(port):
 def test_graph_files_of_a_folder_share_modules(tmp_path):
     (tmp_path / "graphs").mkdir()
     (tmp_path / "graphs" / "pipeline.py").write_text(
-        "from restirpg import Graph\n\n"
-        "def pipeline(n):\n    g = Graph('G')\n    g.add('a', 'A', n=n)\n    return g\n"
+        "from restirpg import Graph\n\ndef pipeline(n):\n    g = Graph('G')\n    g.add('a', 'A', n=n)\n    return g\n"
     )
-    (tmp_path / "graphs" / "g.py").write_text(
-        "from pipeline import pipeline\nprint('hello')\ngraph = pipeline(3)\n"
-    )
+    (tmp_path / "graphs" / "g.py").write_text("from pipeline import pipeline\nprint('hello')\ngraph = pipeline(3)\n")
     code, output, errors = evaluate("graphs/g.py", tmp_path)
     assert (code, errors) == (0, "hello\n")
     added = json.loads(output)["passes"][0]
@@ -145,29 +142,21 @@ def test_graph_files_of_a_folder_share_modules(tmp_path):
 
 def test_mistakes_are_one_located_line(tmp_path):
     start = "from restirpg import Graph, prev\ng = Graph('G')\n"
-    assert (
-        refusal(tmp_path, start + "prev('x')\n") == "g.py:3: prev() takes \"pass.output\" or a port, not 'x'"
-    )
+    assert refusal(tmp_path, start + "prev('x')\n") == "g.py:3: prev() takes \"pass.output\" or a port, not 'x'"
     assert refusal(tmp_path, start + "1 / 0\n") == "g.py:3: ZeroDivisionError: division by zero"
-    assert (
-        refusal(tmp_path, start + "import nosuch\n")
-        == "g.py:3: ModuleNotFoundError: No module named 'nosuch'"
-    )
+    assert refusal(tmp_path, start + "import nosuch\n") == "g.py:3: ModuleNotFoundError: No module named 'nosuch'"
     assert refusal(tmp_path, start + "raise ValueError('two\\nlines')\n") == "g.py:3: ValueError: two lines"
     assert refusal(tmp_path, start + "import json; json.loads('x')\n").startswith("g.py:3: JSONDecodeError: ")
     assert refusal(tmp_path, start + "def f(:\n") == "g.py:3: SyntaxError: invalid syntax"
     assert refusal(tmp_path, "\0") == "g.py:1: ValueError: source code string cannot contain null bytes"
     assert refusal(tmp_path, start) == (
-        "g.py:1: the file has no variable 'graph'; end it with graph = ..., " "a restirpg.Graph"
+        "g.py:1: the file has no variable 'graph'; end it with graph = ..., a restirpg.Graph"
     )
 
 
 def test_a_mistake_in_a_shared_module_is_located_there(tmp_path):
     (tmp_path / "shared.py").write_text("def f():\n    return undefined\n")
-    assert (
-        refusal(tmp_path, "import shared\nshared.f()\n")
-        == "shared.py:2: NameError: name 'undefined' is not defined"
-    )
+    assert refusal(tmp_path, "import shared\nshared.f()\n") == "shared.py:2: NameError: name 'undefined' is not defined"
 
 
 def test_a_missing_file_is_one_line(tmp_path):

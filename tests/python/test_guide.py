@@ -1,7 +1,7 @@
 """The guide as a plug: any distribution may guide the paths, and none may change their mean.
 
-Null hypothesis: guided and unguided image means are equal. z of the means of RUNS independent runs each; |z| < 4 has a false-alarm
-rate of 6e-5 a test. A guide whose density is wrong by 10% must be found by the same test.
+Null hypothesis: guided and unguided image means are equal. z of the means of RUNS independent runs each; |z| < 4 has a
+false-alarm rate of 6e-5 a test. A guide whose density is wrong by 10% must be found by the same test.
 """
 
 import numpy as np
@@ -19,8 +19,15 @@ def path_tracer(port=None, **knobs):
     g = restirpg.Graph("Guided by a fixed lobe")
     gbuffer = g.add("gbuffer", "GBuffer", jitter=True)
     lobe = g.add("lobe", "FixedGuide", **({"kappa": knobs.pop("kappa")} if "kappa" in knobs else {}))
-    paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, direct=True, bounces=2,
-                  guide=getattr(lobe, port) if port else None, **knobs)
+    paths = g.add(
+        "paths",
+        "PathTracerGuided",
+        surface=gbuffer.surface,
+        direct=True,
+        bounces=2,
+        guide=getattr(lobe, port) if port else None,
+        **knobs,
+    )
     image = g.add("accumulate", "Accumulate", indirect=paths.radiance, history=restirpg.prev("accumulate.sums"))
     g.output("image", image.mean)
     return g
@@ -41,8 +48,10 @@ def run_means(scene, first_seed, port=None, **knobs):
 def z_of(a, b):
     """Standard score of the difference of two sets' means."""
     z = (a.mean() - b.mean()) / np.sqrt(a.var(ddof=1) / len(a) + b.var(ddof=1) / len(b))
-    print(f"ratio {a.mean() / b.mean():.4f}, z {z:.2f}, smallest detectable bias "
-          f"{4 * np.sqrt(a.var(ddof=1) / len(a) + b.var(ddof=1) / len(b)) / b.mean():.4f}")
+    print(
+        f"ratio {a.mean() / b.mean():.4f}, z {z:.2f}, smallest detectable bias "
+        f"{4 * np.sqrt(a.var(ddof=1) / len(a) + b.var(ddof=1) / len(b)) / b.mean():.4f}"
+    )
     return z
 
 

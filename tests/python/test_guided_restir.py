@@ -30,17 +30,16 @@ def guided(port="guide", mode="live", learn_alpha=False):
     passes = {p["name"]: p for p in g["passes"]}
     passes["paths"]["inputs"]["guide"] = {"pass": "held", "output": port}
     passes["reuse"]["knobs"]["cap"] = CAP
-    for name, knobs in (("splat", {"cells": CELLS, "cell_size": 0.15}), ("fit", {"cells": CELLS, "learn_alpha": learn_alpha})):
+    for name, knobs in (
+        ("splat", {"cells": CELLS, "cell_size": 0.15}),
+        ("fit", {"cells": CELLS, "learn_alpha": learn_alpha}),
+    ):
         passes[name]["knobs"].update(knobs)
     inputs = {"guide": fitted} | (
         {"history": {"pass": "held", "output": "guide", "delayed": True}} if port == "guide" else {}
     )
-    g["passes"].append(
-        {"name": "held", "type": "HeldGuide", "inputs": inputs, "knobs": {"cells": CELLS, "mode": mode}}
-    )
-    passes["accumulate"]["inputs"] = {
-        name: passes["accumulate"]["inputs"][name] for name in ("indirect", "history")
-    }
+    g["passes"].append({"name": "held", "type": "HeldGuide", "inputs": inputs, "knobs": {"cells": CELLS, "mode": mode}})
+    passes["accumulate"]["inputs"] = {name: passes["accumulate"]["inputs"][name] for name in ("indirect", "history")}
     g["outputs"] = [
         {"name": "image", "pass": "accumulate", "output": "mean"},
         {"name": "guide", "pass": "fit", "output": "guide"},
@@ -48,7 +47,7 @@ def guided(port="guide", mode="live", learn_alpha=False):
     return g
 
 
-def run_means(scene, graph, frames, first_seed, runs):  # noqa: F811
+def run_means(scene, graph, frames, first_seed, runs):
     """Luminance mean over all frames of each run, (runs,), and the renderer after the last."""
     renderer = make_renderer(scene, graph, size=SIZE)
     renderer.set_everywhere("bounces", BOUNCES)
@@ -61,7 +60,7 @@ def run_means(scene, graph, frames, first_seed, runs):  # noqa: F811
     return np.array(means), renderer
 
 
-def guided_means(scene, graph, first_seed):  # noqa: F811
+def guided_means(scene, graph, first_seed):
     """Means of RUNS runs in which most cells guide."""
     means, renderer = run_means(scene, graph, FRAMES, first_seed, RUNS)
     header = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, oracle.MEMORY)[0]
@@ -75,17 +74,17 @@ def guided_means(scene, graph, first_seed):  # noqa: F811
 
 
 @pytest.fixture(scope="module")
-def reference(scene):  # noqa: F811
+def reference(scene):
     return run_means(scene, path_tracer(), 200, 100, 12)[0]
 
 
 @pytest.mark.parametrize(
     ("mode", "learn_alpha"), [("live", False), ("frozen", False), ("garbage", False), ("live", True)]
 )
-def test_no_guide_moves_the_mean(scene, reference, mode, learn_alpha):  # noqa: F811
+def test_no_guide_moves_the_mean(scene, reference, mode, learn_alpha):
     graph = guided(mode=mode, learn_alpha=learn_alpha)
     assert abs(z_of(guided_means(scene, graph, 7000), reference)) < 4
 
 
-def test_a_guide_with_a_wrong_density_is_found(scene, reference):  # noqa: F811
+def test_a_guide_with_a_wrong_density_is_found(scene, reference):
     assert abs(z_of(guided_means(scene, guided("wrong"), 8000), reference)) > 6

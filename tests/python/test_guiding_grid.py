@@ -15,8 +15,13 @@ import guiding_fit_oracle as fit_oracle
 import guiding_oracle as oracle
 import numpy as np
 import pytest
-from renderer_scenes import ROOT, make_renderer, restirpg, scene  # noqa: F401
-from renderer_scenes import scene_file  # noqa: F401
+from renderer_scenes import (  # noqa: F401
+    ROOT,
+    make_renderer,
+    restirpg,
+    scene,
+    scene_file,
+)
 
 pytestmark = pytest.mark.compile_bound
 
@@ -88,7 +93,7 @@ def in_added_rows(renderer, samples):
     return by_row[(renderer.frame - 1) % step :: step].reshape(-1)
 
 
-def record(scene, graph, move=0.0, count=FRAMES, **knobs):  # noqa: F811
+def record(scene, graph, move=0.0, count=FRAMES, **knobs):
     """`count` frames of a graph whose camera steps `move` m aside a frame. Knobs: pass__knob."""
     renderer = make_renderer(scene, graph, seed=7)
     for name, value in knobs.items():
@@ -105,7 +110,9 @@ def record(scene, graph, move=0.0, count=FRAMES, **knobs):  # noqa: F811
         guide = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, *memory)
         statistics = oracle.read_table(renderer.read_port("splat.statistics"), oracle.SUMS, *places)
         frames.append(
-            Recorded(in_added_rows(renderer, training_samples(renderer)), renderer.camera, statistics, guide, before, values)
+            Recorded(
+                in_added_rows(renderer, training_samples(renderer)), renderer.camera, statistics, guide, before, values
+            )
         )
         before = guide
         assert np.isfinite(renderer.output("image")).all()
@@ -176,9 +183,7 @@ def check_keys_and_counts(frame):
         assert set(table) == set(sums)
     assert set(certain) <= set(table)
     assert all(table[key][0]["count"] == sums[key].count for key in certain)
-    assert sum(int(records[0]["count"]) for records in table.values()) == sum(
-        cell.count for cell in sums.values()
-    )
+    assert sum(int(records[0]["count"]) for records in table.values()) == sum(cell.count for cell in sums.values())
     assert header["cells"] == len(table) and header["failed"] == 0
     assert oracle.slots_are_reachable(keys)
 
@@ -230,9 +235,7 @@ def check_cell(found, cell):
     if cell.memory is not None:
         memory = fit_oracle.memory_of(found[1])
         assert np.allclose(memory[:18], cell.memory[:18], rtol=1e-4, atol=1e-4 * max(cell.memory[17], 1))
-        assert np.allclose(
-            memory[18:], cell.memory[18:], rtol=1e-4, atol=1e-4 * max(np.abs(cell.memory[18:]).max(), 1)
-        )
+        assert np.allclose(memory[18:], cell.memory[18:], rtol=1e-4, atol=1e-4 * max(np.abs(cell.memory[18:]).max(), 1))
 
 
 def check_counts_of_the_guide(frame):
@@ -285,9 +288,7 @@ def wrong_kappa(monkeypatch):
 
 def wrong_normalization(monkeypatch):
     right = oracle.Mixture.log_lobes
-    monkeypatch.setattr(
-        oracle.Mixture, "log_lobes", lambda self, w: right(self, w) + 0.001 * np.sqrt(self.kappa)
-    )
+    monkeypatch.setattr(oracle.Mixture, "log_lobes", lambda self, w: right(self, w) + 0.001 * np.sqrt(self.kappa))
 
 
 @pytest.mark.parametrize(
@@ -303,9 +304,7 @@ def test_a_mistake_of_the_formulas_is_found(frames, monkeypatch, mutation, check
 
 def test_keys_of_the_previous_camera_are_found(tmp_path_factory):
     knobs = {"splat__cell_size": CELL_SIZE}
-    first, last = record(
-        load("door_ajar", tmp_path_factory), graph_of("restir_pg"), move=0.2, count=2, **knobs
-    )
+    first, last = record(load("door_ajar", tmp_path_factory), graph_of("restir_pg"), move=0.2, count=2, **knobs)
     check_keys_and_counts(last)
     with pytest.raises(AssertionError):
         check_keys_and_counts(replace(last, statistics=(first.statistics[0], *last.statistics[1:])))

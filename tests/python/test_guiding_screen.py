@@ -6,7 +6,6 @@ of each run is one sample. A guide whose density is 10% too small was found in b
 6.7 without ReSTIR, 5.4 with it.
 """
 
-
 import numpy as np
 import pytest
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
@@ -28,13 +27,25 @@ def graph(output, guided=True, **knobs):
     before = {"motion": gbuffer.motion, "previous_surface": restirpg.prev("gbuffer.surface")}
     guide = None
     if guided:
-        guide = g.add("guide", "GuidingScreen", surface=gbuffer.surface, **before, **knobs,
-                      samples=restirpg.prev("paths.samples"), history=restirpg.prev("guide.statistics")).guide
+        guide = g.add(
+            "guide",
+            "GuidingScreen",
+            surface=gbuffer.surface,
+            **before,
+            **knobs,
+            samples=restirpg.prev("paths.samples"),
+            history=restirpg.prev("guide.statistics"),
+        ).guide
     paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=BOUNCES, guide=guide)
-    g.add("reuse", "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates,
-          history=restirpg.prev("reuse.reservoirs"), **before)
-    image = g.add("accumulate", "Accumulate", indirect=paths.radiance,
-                  history=restirpg.prev("accumulate.sums"))
+    g.add(
+        "reuse",
+        "ReSTIRReuse",
+        surface=gbuffer.surface,
+        candidates=paths.candidates,
+        history=restirpg.prev("reuse.reservoirs"),
+        **before,
+    )
+    image = g.add("accumulate", "Accumulate", indirect=paths.radiance, history=restirpg.prev("accumulate.sums"))
     name, port = output.split(".")
     g.output("radiance", getattr(g[name], port))
     if not guided:
@@ -43,7 +54,7 @@ def graph(output, guided=True, **knobs):
 
 
 @pytest.fixture(scope="module")
-def reference(scene):  # noqa: F811
+def reference(scene):
     """The plain path tracer's indirect light."""
     renderer = make_renderer(scene, graph("accumulate.mean", guided=False), seed=1)
     renderer.render(REFERENCE_FRAMES)
@@ -52,7 +63,7 @@ def reference(scene):  # noqa: F811
     return Reference(luminance(renderer.output("radiance")), deviation**2 / REFERENCE_FRAMES)
 
 
-def check(scene, output, reference, **knobs):  # noqa: F811
+def check(scene, output, reference, **knobs):
     """The given port's mean in frame FRAME is the reference's."""
     images = independent_runs(make_renderer(scene, graph(output, **knobs)), RUNS, (FRAME,))[FRAME]
     verdict = compare(images, reference, TESTS)
@@ -61,15 +72,15 @@ def check(scene, output, reference, **knobs):  # noqa: F811
 
 
 @pytest.mark.parametrize("lobe", ["gaussian", "vmf"])
-def test_live_guiding_keeps_the_path_tracers_mean(scene, reference, lobe):  # noqa: F811
+def test_live_guiding_keeps_the_path_tracers_mean(scene, reference, lobe):
     check(scene, "paths.radiance", reference, lobe=lobe)
 
 
-def test_restir_over_live_guiding_keeps_the_path_tracers_mean(scene, reference):  # noqa: F811
+def test_restir_over_live_guiding_keeps_the_path_tracers_mean(scene, reference):
     check(scene, "reuse.radiance", reference, product=True, neighbours=24, prior=0.2)
 
 
-def test_the_same_seed_gives_the_same_bytes(scene):  # noqa: F811
+def test_the_same_seed_gives_the_same_bytes(scene):
     images = []
     for _ in range(2):
         renderer = make_renderer(scene, graph("reuse.radiance"), seed=3)
@@ -78,7 +89,7 @@ def test_the_same_seed_gives_the_same_bytes(scene):  # noqa: F811
     assert images[0] == images[1]
 
 
-def test_lobes_point_away_from_their_surface_and_a_cut_forgets_them(scene):  # noqa: F811
+def test_lobes_point_away_from_their_surface_and_a_cut_forgets_them(scene):
     described = graph("guide.direction")
     described.output("normal", described["gbuffer"].geometric_normal)
     renderer = make_renderer(scene, described, seed=1)
@@ -94,7 +105,7 @@ def test_lobes_point_away_from_their_surface_and_a_cut_forgets_them(scene):  # n
     assert not renderer.output("radiance").any()
 
 
-def test_what_the_camera_did_not_see_before_has_no_lobe(scene):  # noqa: F811
+def test_what_the_camera_did_not_see_before_has_no_lobe(scene):
     renderer = make_renderer(scene, graph("guide.peak"), seed=1)
     renderer.render(8)
     camera = renderer.camera

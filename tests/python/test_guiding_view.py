@@ -10,7 +10,7 @@ pytestmark = pytest.mark.compile_bound
 
 
 @pytest.fixture(scope="module")
-def views(scene):  # noqa: F811
+def views(scene):
     """{what is shown: image}, each pixel's key (0: no bounce recorded) and the guide's cells, after four
     frames."""
     graph = restirpg.load_graph(ROOT / "graphs" / "restir_pg.py").description
@@ -19,9 +19,7 @@ def views(scene):  # noqa: F811
             "surface": {"pass": "gbuffer", "output": "surface"},
             "guide": {"pass": "fit", "output": "guide"},
         }
-        graph["passes"].append(
-            {"name": show, "type": "GuidingView", "inputs": inputs, "knobs": {"show": show}}
-        )
+        graph["passes"].append({"name": show, "type": "GuidingView", "inputs": inputs, "knobs": {"show": show}})
         graph["outputs"].append({"name": show, "pass": show, "output": "image"})
     graph["outputs"].append({"name": "vertices", "pass": "reuse", "output": "vertices"})
     renderer = make_renderer(scene, graph, seed=2)
@@ -32,9 +30,7 @@ def views(scene):  # noqa: F811
         oracle.grid_of(header, renderer.get("splat.smallest_cell")),
         renderer.read_port("reuse.vertices").view(oracle.VERTEX).reshape(32, 32, -1)[..., 0].ravel(),
     )
-    keys, doubtful = grid.keys(
-        grid.positions(first["position"]), oracle.vertex_face(first), first["surface"] & 0xFFFF
-    )
+    keys, doubtful = grid.keys(grid.positions(first["position"]), oracle.vertex_face(first), first["surface"] & 0xFFFF)
     keys[~oracle.is_valid(first) | doubtful] = 0
     return {show: renderer.output(show).reshape(-1, 3) for show in ("cell", "age", "weight")}, keys, cells
 
@@ -50,9 +46,7 @@ def test_black_is_where_no_cell_guides(views):
 def test_a_cell_has_one_colour_and_cells_differ(views):
     images, keys, cells = views
     colours = {
-        int(key): images["cell"][keys == key]
-        for key in np.unique(keys)
-        if key and images["cell"][keys == key].any()
+        int(key): images["cell"][keys == key] for key in np.unique(keys) if key and images["cell"][keys == key].any()
     }
     assert len(colours) > 30 and all((colour == colour[0]).all() for colour in colours.values())
     assert len({tuple(colour[0]) for colour in colours.values()}) == len(colours)
@@ -64,8 +58,6 @@ def test_a_fresh_cell_is_blue(views):
     fresh = [
         pixel
         for pixel in np.flatnonzero(keys)
-        if int(keys[pixel]) in cells
-        and images["cell"][pixel].any()
-        and cells[int(keys[pixel])][0]["age"] == 0
+        if int(keys[pixel]) in cells and images["cell"][pixel].any() and cells[int(keys[pixel])][0]["age"] == 0
     ]
     assert len(fresh) > 100 and (images["age"][fresh] == (0, 0, 1)).all()

@@ -1,4 +1,5 @@
-"""What users and programs do wrong with the module: an exception that says what, never a crash, nothing changed and nothing leaked."""
+"""What users and programs do wrong with the module: an exception that says what, never a crash, nothing changed and
+nothing leaked."""
 
 import json
 import math
@@ -38,8 +39,19 @@ def test_a_renderer_needs_a_scene_and_a_graph(scene):
         restirpg.Renderer(scene, graph, size=None)
 
 
-@pytest.mark.parametrize("options", [{"time": math.nan}, {"time": math.inf}, {"time": -1}, {"fps": math.nan}, {"fps": math.inf},
-                                     {"fps": -1}, {"fps": 1e-45}, {"time": 1e300}])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"time": math.nan},
+        {"time": math.inf},
+        {"time": -1},
+        {"fps": math.nan},
+        {"fps": math.inf},
+        {"fps": -1},
+        {"fps": 1e-45},
+        {"time": 1e300},
+    ],
+)
 def test_times_are_finite_and_not_negative(scene, options):
     assert "must be" in refusal(make_renderer, scene, **options)
 
@@ -60,9 +72,15 @@ def test_threads_take_turns(renderer):
         except Exception as error:
             failed.append(error)
 
-    actions = [lambda: renderer.render(1), lambda: renderer.render(1), renderer.knobs, lambda: renderer.set("paths.nee", True),
-               lambda: renderer.set("paths.bounces", 8), lambda: renderer.memory()["scene"],
-               lambda: np.isfinite(renderer.output("image")).all() if renderer.frame else None]
+    actions = [
+        lambda: renderer.render(1),
+        lambda: renderer.render(1),
+        renderer.knobs,
+        lambda: renderer.set("paths.nee", True),
+        lambda: renderer.set("paths.bounces", 8),
+        lambda: renderer.memory()["scene"],
+        lambda: np.isfinite(renderer.output("image")).all() if renderer.frame else None,
+    ]
     threads = [threading.Thread(target=work, args=(action,)) for action in actions]
     for thread in threads:
         thread.start()
@@ -155,7 +173,9 @@ def test_a_knob_whose_kernel_cannot_be_built_stays_as_it_was(scene, tmp_path, mo
     with monkeypatch.context() as patch:
         patch.setenv("RESTIRPG_SHADERS", str(tmp_path))  # a library that lacks everything
         for change in (lambda: renderer.set("paths.bounces", 3), lambda: renderer.set_everywhere("bounces", 3)):
-            assert re.search(r": pass 'paths' \(PathTracerGuided\): /.*\.comp:\d+: '#include' : Could not process", refusal(change))
+            assert re.search(
+                r": pass 'paths' \(PathTracerGuided\): /.*\.comp:\d+: '#include' : Could not process", refusal(change)
+            )
     assert renderer.get("paths.bounces") == 2 and renderer.frame == 1
     assert renderer.output("image").tobytes() == before.tobytes()
     renderer.cut()
@@ -171,7 +191,9 @@ def test_ports_are_read_after_a_frame_and_are_those_of_the_last_one(scene):
     assert "has no port" in refusal(renderer.read_port, "gbuffer")
     renderer.render(1)
     # A port within the frame, read by the pass after it alone: direct.radiance, which the mean of one frame contains.
-    parts = [renderer.read_port(port).view(np.float32) for port in ("direct.radiance", "reuse.radiance", "gbuffer.emission")]
+    parts = [
+        renderer.read_port(port).view(np.float32) for port in ("direct.radiance", "reuse.radiance", "gbuffer.emission")
+    ]
     np.testing.assert_allclose(sum(parts), renderer.output("image").ravel(), rtol=1e-6)
 
 

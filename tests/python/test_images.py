@@ -22,8 +22,9 @@ def refusal(action, *arguments, **keywords):
 
 def test_layers_of_any_float_array_come_back(tmp_path):
     colour, depth = random_image(1), random_image(2, (9, 7))
-    restirpg.write_exr(tmp_path / "a.exr", {"": colour[:, ::-1], "depth": depth.astype(np.float64)},
-                       attributes={"note": "two layers"})
+    restirpg.write_exr(
+        tmp_path / "a.exr", {"": colour[:, ::-1], "depth": depth.astype(np.float64)}, attributes={"note": "two layers"}
+    )
     np.testing.assert_array_equal(restirpg.read_exr(tmp_path / "a.exr"), colour[:, ::-1])
     np.testing.assert_array_equal(restirpg.read_exr(str(tmp_path / "a.exr"), layer="depth"), np.dstack([depth] * 3))
     assert restirpg.read_exr_attributes(tmp_path / "a.exr") == {"note": "two layers"}
@@ -51,9 +52,13 @@ def test_the_metrics_are_those_of_their_definition():
     valid = np.isfinite(image).all(-1)
     i, r = image[valid].astype(float), reference[valid].astype(float)
     y = r @ [0.2126, 0.7152, 0.0722]
-    expected = {"mape": np.mean(np.abs(i - r) / (0.01 * y.mean() + y)[:, None]),
-                "relmse": np.mean((i - r) ** 2 / (r ** 2 + 0.01)), "rmse": np.sqrt(np.mean((i - r) ** 2)),
-                "bias": (i.mean() - r.mean()) / r.mean(), "invalid": 1}
+    expected = {
+        "mape": np.mean(np.abs(i - r) / (0.01 * y.mean() + y)[:, None]),
+        "relmse": np.mean((i - r) ** 2 / (r**2 + 0.01)),
+        "rmse": np.sqrt(np.mean((i - r) ** 2)),
+        "bias": (i.mean() - r.mean()) / r.mean(),
+        "invalid": 1,
+    }
     assert errors == pytest.approx(expected, rel=1e-12)
 
 
@@ -61,8 +66,9 @@ def test_wrong_shapes_and_files_are_refused_in_one_line(tmp_path):
     assert "9x7" not in refusal(restirpg.measure_errors, random_image(1), random_image(1, (9, 8, 3)))
     assert "shape (3,)" in refusal(restirpg.write_exr, tmp_path / "a.exr", {"": np.zeros(3)})
     assert "shape (0, 4, 3)" in refusal(restirpg.write_png, tmp_path / "a.png", np.zeros((0, 4, 3)))
-    assert "layer 'b' is 7x9" in refusal(restirpg.write_exr, tmp_path / "a.exr",
-                                         {"": random_image(1, (4, 4, 3)), "b": random_image(1)})
+    assert "layer 'b' is 7x9" in refusal(
+        restirpg.write_exr, tmp_path / "a.exr", {"": random_image(1, (4, 4, 3)), "b": random_image(1)}
+    )
     assert "layer ''" in refusal(restirpg.write_exr, tmp_path / "a.exr", {"": "text"})
     assert "no layers" in refusal(restirpg.write_exr, tmp_path / "a.exr", {})
     (tmp_path / "text.exr").write_text("no image")

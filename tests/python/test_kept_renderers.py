@@ -21,9 +21,20 @@ FRAMES = 3
 def job_of(graph, scene, seed, **options):
     """A small run of a graph of this repository."""
     file = str(ROOT / "graphs" / graph)
-    return Job(**{"scene": str(scene), "scene_hash": "", "graph": file, "size": (24, 16), "frames": FRAMES, "seed": seed,
-                  "description": json.dumps(render.describe_graph(file)), "code": render.code_version(), "bounces": 2,
-                  **options})
+    return Job(
+        **{
+            "scene": str(scene),
+            "scene_hash": "",
+            "graph": file,
+            "size": (24, 16),
+            "frames": FRAMES,
+            "seed": seed,
+            "description": json.dumps(render.describe_graph(file)),
+            "code": render.code_version(),
+            "bounces": 2,
+            **options,
+        }
+    )
 
 
 def pictures(folder, jobs):
@@ -34,7 +45,7 @@ def pictures(folder, jobs):
     return [Cache(folder).load(job.key)["image"] for job in jobs]
 
 
-def test_a_run_on_a_kept_renderer_has_the_bytes_of_one_on_a_new_one(scene_file, tmp_path):  # noqa: F811
+def test_a_run_on_a_kept_renderer_has_the_bytes_of_one_on_a_new_one(scene_file, tmp_path):
     first, second = (job_of("restir_pg.py", scene_file, seed) for seed in (1, 2))
     kept = pictures(tmp_path / "kept", [first, job_of("path_tracer.py", scene_file, 1), second])[-1]
     (new,) = pictures(tmp_path / "new", [second])
@@ -57,7 +68,7 @@ class Uncut:
         setattr(self.renderer, name, value)
 
 
-def test_a_graph_and_its_neighbours_edited_meanwhile_are_rendered_as_they_were(scene_file, tmp_path):  # noqa: F811
+def test_a_graph_and_its_neighbours_edited_meanwhile_are_rendered_as_they_were(scene_file, tmp_path):
     """Structural knobs too: rounds make other kernels."""
     shutil.copy(ROOT / "graphs/pipeline.py", tmp_path / "neighbour.py")
     file = tmp_path / "graph.py"
@@ -71,12 +82,12 @@ def test_a_graph_and_its_neighbours_edited_meanwhile_are_rendered_as_they_were(s
     np.testing.assert_array_equal(edited, pictures(tmp_path / "whole", [whole]))
 
 
-def test_a_scene_edited_meanwhile_ends_the_program(scene_file, tmp_path):  # noqa: F811
+def test_a_scene_edited_meanwhile_ends_the_program(scene_file, tmp_path):
     with pytest.raises(Halt, match="the scene has changed since the start"):
         pictures(tmp_path / "kept", [job_of("path_tracer.py", scene_file, 1, scene_hash="of another")])
 
 
-def test_history_that_is_not_forgotten_shows(scene_file, monkeypatch):  # noqa: F811
+def test_history_that_is_not_forgotten_shows(scene_file, monkeypatch):
     """The injected error: what the test above must find."""
     job = job_of("restir_pg.py", scene_file, 1)
     make = render.make_renderer
@@ -93,7 +104,7 @@ def test_a_run_starts_where_the_motion_starts(tmp_path):
     assert 0 < new.mean() < 1  # the panel leaves the view
 
 
-def test_renderers_that_were_not_used_for_longest_make_room(scene_file):  # noqa: F811
+def test_renderers_that_were_not_used_for_longest_make_room(scene_file):
     jobs = [job_of("path_tracer.py", scene_file, 1, bounces=cap) for cap in (1, 2, 3)]
     size = render.size_of(render.make_renderer(jobs[0]))
     assert size >= render.KERNELS  # what memory() does not know of counts, too

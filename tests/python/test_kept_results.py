@@ -137,8 +137,10 @@ def undisturbed(tmp_path_factory):
     return tables(folder)
 
 
-@pytest.mark.parametrize("sent, code, word", [
-    (signal.SIGKILL, -signal.SIGKILL, None), (signal.SIGINT, 130, "SIGINT"), (signal.SIGTERM, 143, "SIGTERM")])
+@pytest.mark.parametrize(
+    "sent, code, word",
+    [(signal.SIGKILL, -signal.SIGKILL, None), (signal.SIGINT, 130, "SIGINT"), (signal.SIGTERM, 143, "SIGTERM")],
+)
 def test_an_interrupted_comparison_goes_on_to_the_same_tables(tmp_path, undisturbed, sent, code, word):
     with under_way(tmp_path, *SLOW) as process:
         # Ctrl-C and SIGTERM reach the whole group; SIGKILL is meant for the program alone.
@@ -162,16 +164,23 @@ def test_kills_at_any_moment_change_no_number(tmp_path, monkeypatch):
 
     environment = {**ENVIRONMENT, "PWD": str(tmp_path)}
     monkeypatch.chdir(tmp_path)
-    outcome = kills.torture(command, tmp_path / "kills", 3, random.Random(1), lambda folder: tables(folder, "."),
-                            lambda folder: environment)
+    outcome = kills.torture(
+        command, tmp_path / "kills", 3, random.Random(1), lambda folder: tables(folder, "."), lambda folder: environment
+    )
     assert (outcome.kills, outcome.wrong) == (3, [])
 
 
 def test_different_numbers_after_a_kill_are_told(tmp_path):
     """The injected error: a program whose every start counts."""
     script = "import sys, time; open(sys.argv[1] + '/starts', 'a').write('x'); time.sleep(1)"
-    outcome = kills.torture(lambda folder: [sys.executable, "-c", script, str(folder)], tmp_path, 1, random.Random(2),
-                            lambda folder: {"starts": (folder / "starts").read_text()}, lambda folder: None)
+    outcome = kills.torture(
+        lambda folder: [sys.executable, "-c", script, str(folder)],
+        tmp_path,
+        1,
+        random.Random(2),
+        lambda folder: {"starts": (folder / "starts").read_text()},
+        lambda folder: None,
+    )
     assert outcome.wrong == ["round 1: starts differ"]
 
 
@@ -186,8 +195,14 @@ def test_without_a_cache_it_goes_on(tmp_path):
 
 def limited(folder, size, **options):
     """A comparison that cannot write files larger than `size`, as on a full disk."""
-    return subprocess.run(arguments(folder, **options), cwd=folder, env=ENVIRONMENT, capture_output=True, text=True,
-                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)))
+    return subprocess.run(
+        arguments(folder, **options),
+        cwd=folder,
+        env=ENVIRONMENT,
+        capture_output=True,
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
+    )
 
 
 def test_on_a_full_disk_nothing_is_half_written(tmp_path):
@@ -204,7 +219,10 @@ def test_what_a_killed_program_was_writing_is_removed(tmp_path):
     assert compare(tmp_path, seeds=1).returncode == 0
     host, ended = os.uname().nodename, subprocess.Popen(["true"])
     ended.wait()
-    stale = [tmp_path / f"out/.report.html.{host}.{ended.pid}.part", tmp_path / f"out/cache/.{KEY}.npz.{host}.{ended.pid}.part"]
+    stale = [
+        tmp_path / f"out/.report.html.{host}.{ended.pid}.part",
+        tmp_path / f"out/cache/.{KEY}.npz.{host}.{ended.pid}.part",
+    ]
     alive = tmp_path / f"out/.report.html.{host}.{os.getpid()}.part"
     for path in (*stale, alive):
         path.touch()
@@ -212,8 +230,10 @@ def test_what_a_killed_program_was_writing_is_removed(tmp_path):
     assert [path.exists() for path in (*stale, alive)] == [False, False, True]
 
 
-@pytest.mark.parametrize("options", [
-    {"reference": "out/images/scene.reference.exr"}, {"scenes": "out/report.html"}, {"environment": "link/runs.csv"}])
+@pytest.mark.parametrize(
+    "options",
+    [{"reference": "out/images/scene.reference.exr"}, {"scenes": "out/report.html"}, {"environment": "link/runs.csv"}],
+)
 def test_an_input_is_not_written_over(tmp_path, options):
     (tmp_path / "out/images").mkdir(parents=True)
     (tmp_path / "link").symlink_to("out")

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.usefixtures("own_plugins")
 class Learner:
     """Known vertices, splat and fit, frame by frame. Each place lies in a cell of its own."""
 
-    def __init__(self, scene, size=64, cells=4096, **known):  # noqa: F811
+    def __init__(self, scene, size=64, cells=4096, **known):
         g = restirpg.Graph("Known vertices")
         vertices = g.add("known", "KnownVertices", **known)
         statistics = g.add(
@@ -60,7 +60,7 @@ class Learner:
         return oracle.read_table(self.renderer.read_port("splat.statistics"), oracle.SUMS)
 
 
-def test_a_known_mixture_is_recovered(scene):  # noqa: F811
+def test_a_known_mixture_is_recovered(scene):
     header, (cell,) = Learner(scene, size=128).render(32, concentration_prior=0.01)
     m = oracle.mixture_of(cell)
     assert header["samples"] == 128 * 128 and header["fitted"] == 1
@@ -72,7 +72,7 @@ def test_a_known_mixture_is_recovered(scene):  # noqa: F811
     assert np.allclose(m.weight[order], WEIGHT, atol=0.02)
 
 
-def test_the_oracle_itself_climbs(scene):  # noqa: F811
+def test_the_oracle_itself_climbs(scene):
     """EM never makes a batch less likely, but for the priors and Banerjee's kappa: each step may lose 10^-3 a
     sample at most."""
     random = np.random.default_rng(1)
@@ -91,7 +91,7 @@ def test_the_oracle_itself_climbs(scene):  # noqa: F811
     assert min(np.diff(scores)) > -1e-3 and scores[-1] > scores[0] + 0.5
 
 
-def test_starved_cells_pool_their_samples_until_there_are_enough(scene):  # noqa: F811
+def test_starved_cells_pool_their_samples_until_there_are_enough(scene):
     """512 places, 8 samples each a frame; 16 are needed."""
     learner = Learner(scene, places=512)
     header, cells = learner.render(1)
@@ -105,20 +105,20 @@ def test_starved_cells_pool_their_samples_until_there_are_enough(scene):  # noqa
     assert (header["fitted"], header["guiding"]) == (0, 512) and {int(cell["age"]) for cell in cells} == {1}
 
 
-def test_starved_cells_without_pool_never_guide(scene):  # noqa: F811
+def test_starved_cells_without_pool_never_guide(scene):
     header, cells = Learner(scene, places=512).render(5, pool=False)
     assert (header["cells"], header["fitted"], header["guiding"]) == (512, 0, 0)
     assert {int(cell["age"]) for cell in cells} == {4}
 
 
-def test_cells_stop_guiding_when_they_have_grown_too_old(scene):  # noqa: F811
+def test_cells_stop_guiding_when_they_have_grown_too_old(scene):
     """Fitted once, then kept from it by a larger `minimum`."""
     learner = Learner(scene, places=64)
     assert learner.render(1, pool=False, oldest=2)[0]["guiding"] == 64
     assert [int(learner.render(1, minimum=1000)[0]["guiding"]) for _ in range(4)] == [64, 64, 0, 0]
 
 
-def test_cells_without_samples_are_carried_on_for_a_while(scene):  # noqa: F811
+def test_cells_without_samples_are_carried_on_for_a_while(scene):
     learner = Learner(scene, places=64)
     learner.render(2, oldest=2)
     learner.renderer.set("known.places", 1)
@@ -126,18 +126,16 @@ def test_cells_without_samples_are_carried_on_for_a_while(scene):  # noqa: F811
     assert counts == [64, 64, 1]
 
 
-def test_a_cell_of_one_sample_has_a_legal_mixture(scene):  # noqa: F811
+def test_a_cell_of_one_sample_has_a_legal_mixture(scene):
     """4096 places, one sample each, all fitted: the priors bound what one sample can say."""
     header, cells = Learner(scene, places=4096, cells=16384).render(1, minimum=1)
     assert header["fitted"] == header["cells"] == 4096
     mixtures = [oracle.mixture_of(cell) for cell in cells]
     assert all(np.isfinite(m.kappa).all() and np.isclose(m.weight.sum(), 1, atol=1e-5) for m in mixtures)
-    assert (
-        max(m.kappa.max() for m in mixtures) <= 10.01
-    )  # a re-seeded lobe's; a fitted one's mean cosine is below 1/2
+    assert max(m.kappa.max() for m in mixtures) <= 10.01  # a re-seeded lobe's; a fitted one's mean cosine is below 1/2
 
 
-def test_identical_samples_meet_the_largest_kappa(scene):  # noqa: F811
+def test_identical_samples_meet_the_largest_kappa(scene):
     """Without a prior the mean cosine is 1 up to rounding: clamped, not infinite."""
     learner = Learner(scene, identical=True)
     cell = learner.render(4, concentration_prior=0.0, weight_prior=0.0, reseed=False)[1][0]
@@ -149,7 +147,7 @@ def test_identical_samples_meet_the_largest_kappa(scene):  # noqa: F811
     assert oracle.mixture_of(cell).kappa.max() < 1.1 * 2 * 4096  # kappa <= 2 n / prior [shaders/README: The MAP fit]
 
 
-def test_keys_that_collide_keep_cells_of_their_own(scene):  # noqa: F811
+def test_keys_that_collide_keep_cells_of_their_own(scene):
     """Half of 1024 slots taken, by cells in a lattice: no sample is lost or lands in another's cell, and a
     probe meets about as many slots of others as with random hashing (half a slot on the way to a key, by
     Knuth's formula for linear probing)."""
@@ -160,7 +158,7 @@ def test_keys_that_collide_keep_cells_of_their_own(scene):  # noqa: F811
     assert 0.25 < header["collisions"] / 4096 < 1
 
 
-def test_samples_that_find_a_full_table_are_counted(scene):  # noqa: F811
+def test_samples_that_find_a_full_table_are_counted(scene):
     learner = Learner(scene, places=4096, cells=1024)
     for _ in range(3):
         header, cells = learner.render(1, minimum=1)
@@ -170,7 +168,7 @@ def test_samples_that_find_a_full_table_are_counted(scene):  # noqa: F811
         assert len(cells) == header["cells"] <= 1024
 
 
-def test_rendering_goes_on_with_a_full_table(scene):  # noqa: F811
+def test_rendering_goes_on_with_a_full_table(scene):
     renderer = make_renderer(scene, restirpg.load_graph(ROOT / "graphs" / "restir_pg.py"), seed=1)
     renderer.set("splat.cells", 1024)
     renderer.set("fit.cells", 1024)

@@ -1,6 +1,8 @@
-"""ReSTIR DI and ReSTIR PT over a long animation: nothing but finite light that is not negative, and the same bytes twice.
+"""ReSTIR DI and ReSTIR PT over a long animation: nothing but finite light that is not negative, and the same bytes
+twice.
 
-100 frames, or as many as the environment variable RESTIRPG_LONG_RUN says (1,000 are recorded in benchmarks/results/restir_pt.md).
+100 frames, or as many as the environment variable RESTIRPG_LONG_RUN says (1,000 are recorded in
+benchmarks/results/restir_pt.md).
 """
 
 import hashlib

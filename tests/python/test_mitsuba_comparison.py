@@ -1,6 +1,5 @@
 """The comparison with Mitsuba on runs whose truth is known; Mitsuba itself is not needed."""
 
-
 import numpy as np
 from compare_with_mitsuba import compare, decode_rgbe
 from gltf_edits import environment_for_mitsuba

@@ -27,8 +27,12 @@ def test_the_patch_applies_and_says_what_it_breaks(tmp_path, name):
 def test_a_patch_that_no_longer_applies_fails_with_a_line(tmp_path):
     patch = tmp_path / "old.patch"
     text = (PATCHES / "reuse_mis.patch").read_text()
-    patch.write_text(text.replace(" float share", " float share_of_long_ago", 1).replace("-    float share", "-    float gone"))
-    with pytest.raises(pytest.fail.Exception, match=r"^old.patch no longer applies \(patch failed: passes/.*glsl:\d+\); make the"):
+    patch.write_text(
+        text.replace(" float share", " float share_of_long_ago", 1).replace("-    float share", "-    float gone")
+    )
+    with pytest.raises(
+        pytest.fail.Exception, match=r"^old.patch no longer applies \(patch failed: passes/.*glsl:\d+\); make the"
+    ):
         patched_sources(patch, tmp_path / "copies")
 
 

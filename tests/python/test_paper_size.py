@@ -19,7 +19,9 @@ ROWS = {
 
 def run(*arguments):
     """The program's finished process."""
-    return subprocess.run([sys.executable, ROOT / "benchmarks/paper_size.py", *map(str, arguments)], capture_output=True, text=True)
+    return subprocess.run(
+        [sys.executable, ROOT / "benchmarks/paper_size.py", *map(str, arguments)], capture_output=True, text=True
+    )
 
 
 @pytest.fixture
@@ -40,9 +42,14 @@ def test_the_table_says_plainly_who_errs_least(recorded, tmp_path):
     text = (tmp_path / "results/tables.md").read_text()
     assert "| room | restir_pg | 27.00 ± 1.00 ± 0.20% | -10.00 ± 1.00 ± 0.40% | 1e-06 | 11.0 |" in text
     assert "the lowest mean error has raw_pt_ruppert2020, 26.0%; restir_pg does not have the lowest: 27.0%" in text
-    assert "restir_pg errs 10.0% less than restir_pt; raw_pt_ruppert2020 errs 13.3% less than restir_pt, which is not significant." in text
+    assert (
+        "restir_pg errs 10.0% less than restir_pt; raw_pt_ruppert2020 errs 13.3% less than restir_pt, which is not significant."
+        in text
+    )
     with open(tmp_path / "results/summary.csv", newline="") as stream:
-        assert [(row["scene"], row["method"]) for row in csv.DictReader(stream)] == [("room", method) for method in ROWS]
+        assert [(row["scene"], row["method"]) for row in csv.DictReader(stream)] == [
+            ("room", method) for method in ROWS
+        ]
 
 
 def test_what_it_cannot_do_is_said_in_a_line(tmp_path):

@@ -5,8 +5,10 @@ samples and by scattering. Tolerances are those of float32, several times the wo
 brackets):
 
   weights of a path over all who could hold it add up to 1 within 2e-3 (3e-4), 99.9% within 1e-5 (1e-6)
-  there and back: f within 5e-2 (1.6e-2, one path of 22,000: a glossy lobe seen at grazing), 99.99% within 1e-2 (3e-3), 99% within
-     1e-4 (2e-5); J J' = 1 within 1e-4 (3e-5); nothing is lost on the way back; each domain classifies the path as it would its own
+  there and back: f within 5e-2 (1.6e-2, one path of 22,000: a glossy lobe seen at grazing), 99.99% within 1e-2 (3e-3),
+  99% within
+     1e-4 (2e-5); J J' = 1 within 1e-4 (3e-5); nothing is lost on the way back; each domain classifies the path as it
+     would its own
   J against finite differences: 98% within 1% (99% are within 0.5%; the rest are third derivatives of
      narrow lobes)
 """
@@ -28,11 +30,21 @@ WAYS = ("stay", "neighbour", "previous")
 END = 7  # bits of a kind that say how the path ends
 ENDS = {"surface": 0, "emitter": 1, "environment": 2, "punctual": 3, "delta": 4}
 CONNECTIONS = {"connected by a sharp lobe": 256, "connected through the surface": 512}
-BOUNCES = {"copied": 8, "delta reflection": 16, "delta transmission": 32, "sharp reflection": 64,
-           "sharp transmission": 128, **CONNECTIONS}
-# By which technique a path ends; "reused" are those that temporal and spatial reuse leave. Candidates of light samples alone are
-# those of a mutant of the path tracer.
-SOURCES = {"light samples": {}, "scattering": {"paths.nee": False}, "reused": {"reuse.temporal": True, "reuse.rounds": 1}}
+BOUNCES = {
+    "copied": 8,
+    "delta reflection": 16,
+    "delta transmission": 32,
+    "sharp reflection": 64,
+    "sharp transmission": 128,
+    **CONNECTIONS,
+}
+# By which technique a path ends; "reused" are those that temporal and spatial reuse leave. Candidates of light samples
+# alone are those of a mutant of the path tracer.
+SOURCES = {
+    "light samples": {},
+    "scattering": {"paths.nee": False},
+    "reused": {"reuse.temporal": True, "reuse.rounds": 1},
+}
 # Surfaces reconnect by smooth lobes only, and what ends on a delta does not reconnect.
 ABSENT = {("surface", "connected by a sharp lobe"), *(("delta", connection) for connection in CONNECTIONS)}
 
@@ -43,7 +55,7 @@ def is_of(kinds, end, bounce=None):
 
 
 @pytest.fixture(scope="module")
-def every_bounce(own_plugins, tmp_path_factory):  # noqa: F811
+def every_bounce(own_plugins, tmp_path_factory):
     return restirpg.load_scene(write_every_bounce(tmp_path_factory.mktemp("every_bounce")))
 
 
@@ -121,8 +133,10 @@ def test_a_path_shifted_there_and_back_is_the_path_it_was(measured, way):
     if way == "stay":
         assert not (results[way][:, 3] == TRIP_NO_IMAGE).any()
     assert np.all(r[:, 3] == TRIP_RETURNED), np.bincount(r[:, 3].astype(int))
-    print(f"{source}, {way}: {len(r)} trips, f {r[:, 1].max():.1e}, 99% {np.quantile(r[:, 1], 0.99):.1e}, "
-          f"J {r[:, 2].max():.1e}")
+    print(
+        f"{source}, {way}: {len(r)} trips, f {r[:, 1].max():.1e}, 99% {np.quantile(r[:, 1], 0.99):.1e}, "
+        f"J {r[:, 2].max():.1e}"
+    )
     assert r[:, 1].max() < 5e-2 and np.quantile(r[:, 1], 0.9999) < 1e-2 and r[:, 2].max() < 1e-4
     for end in set(kinds & END):
         assert np.quantile(r[kinds & END == end, 1], 0.99) < 1e-4
@@ -130,8 +144,8 @@ def test_a_path_shifted_there_and_back_is_the_path_it_was(measured, way):
 
 @pytest.mark.parametrize("source", ["light samples", "scattering"])
 def test_paths_of_every_tree_return(renderers, source):
-    """The reservoir's key names the tree: replayed with another tree's numbers, sharp bounces would lead elsewhere. (Of 900,000 paths of
-    other seeds one had no image in its own pixel: its connection runs along an edge.)"""
+    """The reservoir's key names the tree: replayed with another tree's numbers, sharp bounces would lead elsewhere. (Of
+    900,000 paths of other seeds one had no image in its own pixel: its connection runs along an edge.)"""
     renderer = renderers[source]
     renderer.set("paths.trees", 3)
     results = measure(renderer, source, FEWER_FRAMES)
@@ -181,12 +195,22 @@ def test_a_mistake_breaks_the_weights_sum(every_bounce, mistake):
 
 
 # The mistake, and the classes of paths that it concerns.
-@pytest.mark.parametrize(("mistake", "classes"), [
-    ("reuse_jacobian", [("surface", None)]), ("reuse_light_measure", [("emitter", None)]),
-    ("reuse_sharp_density", [("surface", "sharp transmission"), ("environment", "sharp reflection"), ("delta", "sharp transmission")])])
+@pytest.mark.parametrize(
+    ("mistake", "classes"),
+    [
+        ("reuse_jacobian", [("surface", None)]),
+        ("reuse_light_measure", [("emitter", None)]),
+        (
+            "reuse_sharp_density",
+            [("surface", "sharp transmission"), ("environment", "sharp reflection"), ("delta", "sharp transmission")],
+        ),
+    ],
+)
 def test_a_factor_left_out_of_the_jacobian_shows_in_its_class(every_bounce, mistake, classes):
     """Round trips cannot see it: it is left out both ways."""
-    results = measure_mutant(every_bounce, mistake, ("neighbour", "neighbour_jacobian", "previous_jacobian"), "scattering")
+    results = measure_mutant(
+        every_bounce, mistake, ("neighbour", "neighbour_jacobian", "previous_jacobian"), "scattering"
+    )
     kinds, ratios = jacobians(results)
     for end, bounce in classes:
         assert off(ratios[is_of(kinds, end, bounce)]) > 0.2  # ten times what is allowed

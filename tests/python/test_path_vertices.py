@@ -1,6 +1,6 @@
 """The bounces that guides are trained on, against rays cast by brute force through the Cornell box
-[shaders/README: Learning: the splat]: the vertices of a pixel are those of one path, the one its reservoir holds, as it stands in
-this pixel. Nothing here is statistical.
+[shaders/README: Learning: the splat]: the vertices of a pixel are those of one path, the one its reservoir holds, as it
+stands in this pixel. Nothing here is statistical.
 
 Stored positions are rounded to 2 x 10^-6 radii of the scene, directions to 3 x 10^-5: bounds are ten times
 that.
@@ -21,12 +21,12 @@ LONG = 0.02
 
 
 @pytest.fixture(scope="module")
-def box(scene_file):  # noqa: F811
+def box(scene_file):
     return load_triangles(scene_file)
 
 
 @pytest.fixture(scope="module", params=[1, 3], ids=["one tree", "three trees"])
-def frames(scene, request):  # noqa: F811
+def frames(scene, request):
     """[(camera, {port: vertices (pixels, bounces), positions (pixels, bounces, 3)}, reservoirs)] of a camera
     that moves, with so many path trees per pixel."""
     graph = restirpg.load_graph(ROOT / "graphs" / "restir_pg.py").description
@@ -43,9 +43,7 @@ def frames(scene, request):  # noqa: F811
         header = oracle.read_table(renderer.read_port("splat.statistics"), oracle.SUMS)[0]
         grid = oracle.grid_of(header, renderer.get("splat.smallest_cell"))
         vertices = {port: renderer.read_port(port).view(oracle.VERTEX).reshape(32 * 32, -1) for port in PORTS}
-        positions = {
-            port: grid.positions(v["position"].ravel()).reshape(*v.shape, 3) for port, v in vertices.items()
-        }
+        positions = {port: grid.positions(v["position"].ravel()).reshape(*v.shape, 3) for port, v in vertices.items()}
         reservoirs = renderer.read_port("reuse.reservoirs").view(np.uint32).reshape(32 * 32, 23)
         result.append((renderer.camera, grid, vertices, positions, reservoirs))
     return result
@@ -68,9 +66,7 @@ def test_vertices_lie_on_surfaces_of_their_material_and_face(frames, box, port):
         points, surface = positions[port][here], vertices[port]["surface"][here]
         distance, triangle = box.distances(points)
         assert distance.max() < 2e-5 * box.radius
-        alone = (
-            box.distances(points + 1e-3)[1] == box.distances(points - 1e-3)[1]
-        )  # not at an edge of two surfaces
+        alone = box.distances(points + 1e-3)[1] == box.distances(points - 1e-3)[1]  # not at an edge of two surfaces
         same = box.material[triangle] == (surface & 0xFFFF)
         assert same[alone].all()
         axis = oracle.vertex_face(vertices[port][here]) >> 1
@@ -117,9 +113,7 @@ def test_paths_end_on_the_light_and_nowhere_before(frames, box, port):
         surface, here = vertices[port]["surface"], valid(vertices[port])
         final = surface & oracle.FINAL != 0
         count = here.sum(-1)
-        assert np.array_equal(
-            here, np.arange(here.shape[1]) < count[:, None]
-        )  # no sharp bounce in this scene
+        assert np.array_equal(here, np.arange(here.shape[1]) < count[:, None])  # no sharp bounce in this scene
         assert np.array_equal(final.argmax(-1)[count > 0], count[count > 0] - 1)
         assert np.array_equal(final.sum(-1), count > 0)
         assert not (surface[~final] & oracle.LIGHT_SAMPLED).any()
@@ -150,8 +144,9 @@ def test_directions_of_another_pixel_are_found(frames):
     assert ((edge * w).sum(-1) / np.linalg.norm(edge, axis=-1)).min() < 1 - 1e-5
 
 
-def test_guided_bounces_are_the_first_ones_of_all(scene):  # noqa: F811
-    """With alpha = 1 the guide draws nothing, so that paths do not depend on what it learns. Sizes follow the knob in every pass."""
+def test_guided_bounces_are_the_first_ones_of_all(scene):
+    """With alpha = 1 the guide draws nothing, so that paths do not depend on what it learns. Sizes follow the knob in
+    every pass."""
     graph = restirpg.load_graph(ROOT / "graphs" / "restir_pg.py").description
     graph["outputs"] += [{"name": f"{p}_vertices", "pass": p, "output": "vertices"} for p in ("paths", "reuse")]
     renderer = make_renderer(scene, graph, seed=12)

@@ -1,7 +1,7 @@
 """Where rays start: panes far from the origin and small ones, large tilted surfaces, walls that touch the floor.
 
-RUNS independent runs of FRAMES frames, 16 x 16, seeds fixed; 4 standard errors are a false alarm of 0.3% a case. The rays themselves are
-tested by tests/trace/clearance_test.
+RUNS independent runs of FRAMES frames, 16 x 16, seeds fixed; 4 standard errors are a false alarm of 0.3% a case. The
+rays themselves are tested by tests/trace/clearance_test.
 """
 
 import math
@@ -48,7 +48,9 @@ def slope(folder, degrees):
 
 @pytest.mark.parametrize("graph", ["path_tracer", "restir_di"])
 def test_a_large_slope_does_not_shadow_itself(tmp_path, graph):
-    renderer = make_renderer(restirpg.load_scene(slope(tmp_path, 37)), restirpg.load_graph(ROOT / "graphs" / f"{graph}.py"), size=(16, 16))
+    renderer = make_renderer(
+        restirpg.load_scene(slope(tmp_path, 37)), restirpg.load_graph(ROOT / "graphs" / f"{graph}.py"), size=(16, 16)
+    )
     renderer.render(RUNS * FRAMES)
     image = renderer.output("image")
     assert image.mean() == pytest.approx(0.5, rel=0.01)
@@ -61,8 +63,12 @@ def test_slabs_that_nearly_touch_reflect_at_all_sides(tmp_path, slabs):
     scene = SceneFile(f"slabs_{slabs}", 8)
     at = np.array([300.0, 0.0, 300.0])
     for k in range(slabs):
-        scene.add(f"Slab{k}", (shapes.box((-1, -1, 0.0061 * k), (1, 1, 0.0061 * k + 0.006)), glass("Glass")), at=at.tolist())
-    scene.add("Wall", (shapes.quad((-4, -4, -1), (8, 0, 0), (0, 8, 0)), emitter("Wall", (1.0, 1.0, 1.0))), at=at.tolist())
+        scene.add(
+            f"Slab{k}", (shapes.box((-1, -1, 0.0061 * k), (1, 1, 0.0061 * k + 0.006)), glass("Glass")), at=at.tolist()
+        )
+    scene.add(
+        "Wall", (shapes.quad((-4, -4, -1), (8, 0, 0), (0, 8, 0)), emitter("Wall", (1.0, 1.0, 1.0))), at=at.tolist()
+    )
     scene.add_camera((at + [0, 0, 2]).tolist(), at.tolist(), 10.0)
     means = run_means(scene.write(tmp_path), RUNS, 4 * FRAMES, bounces=32)
     reflectance = 0.04
@@ -71,14 +77,20 @@ def test_slabs_that_nearly_touch_reflect_at_all_sides(tmp_path, slabs):
 
 
 def behind_a_sheet(folder, distance):
-    """The mean of 0.2 mm of a table, `distance` m behind the edge of a sheet of 0.4 mm that lies on it, lit across it at 45 degrees."""
+    """The mean of 0.2 mm of a table, `distance` m behind the edge of a sheet of 0.4 mm that lies on it, lit across it
+    at 45 degrees."""
     scene = SceneFile("contact", 0)
     white = lambert("White", (0.9, 0.9, 0.9))
     at = np.array([80.0, 0.0, 30.0])
     scene.add("Table", (shapes.quad((-50, 0, 50), (100, 0, 0), (0, 0, -100)), white), at=at.tolist())
     scene.add("Sheet", (shapes.box((0, 0, -0.1), (0.2, 4e-4, 0.1)), white), at=at.tolist())
     scene.add_spot("Lamp", (at + [10, 10, 0]).tolist(), at.tolist(), (1000.0, 1000.0, 1000.0))
-    scene.add_camera((at + [-distance, 0.1, 0.05]).tolist(), (at + [-distance, 0, 0.05]).tolist(), math.degrees(2e-4 / 0.1), up=(0, 0, 1))
+    scene.add_camera(
+        (at + [-distance, 0.1, 0.05]).tolist(),
+        (at + [-distance, 0, 0.05]).tolist(),
+        math.degrees(2e-4 / 0.1),
+        up=(0, 0, 1),
+    )
     renderer = make_renderer(restirpg.load_scene(scene.write(folder)), size=(16, 16))
     renderer.render(1)
     return renderer.output("image").mean()

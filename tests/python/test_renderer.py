@@ -8,7 +8,16 @@ import time
 import numpy as np
 import pytest
 from renderer_scenes import (  # noqa: F401
-    GRAPH, SIZE, frame_graph, make_renderer, renderer, restirpg, scene, scene_file, write_flying_panel)
+    GRAPH,
+    SIZE,
+    frame_graph,
+    make_renderer,
+    renderer,
+    restirpg,
+    scene,
+    scene_file,
+    write_flying_panel,
+)
 
 pytestmark = pytest.mark.compile_bound
 
@@ -31,7 +40,7 @@ def test_an_output_is_a_finite_float32_array_of_rows(renderer):
     assert image.shape == (SIZE[1], SIZE[0], 3) and image.dtype == np.float32
     assert np.isfinite(image).all() and image.mean() > 0.05
     # Rows from the top: the light hangs from the ceiling.
-    assert image[:SIZE[1] // 2].mean() > image[SIZE[1] // 2:].mean()
+    assert image[: SIZE[1] // 2].mean() > image[SIZE[1] // 2 :].mean()
 
 
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_picture(scene):
@@ -113,8 +122,16 @@ def test_knobs_are_read_set_and_refused_by_name(renderer):
     assert renderer.set_everywhere("bounces", np.uint8(4)) == 1
     assert renderer.get("paths.bounces") == 4
     assert renderer.set_everywhere("no_such_knob", 1) == 0
-    for path, value in [("paths.bounces", "many"), ("paths.bounces", -1), ("paths.bounces", 2.5), ("paths.bounces", None),
-                        ("paths.bounces", float("nan")), ("paths.bonces", 2), ("pads.bounces", 2), ("bounces", 2)]:
+    for path, value in [
+        ("paths.bounces", "many"),
+        ("paths.bounces", -1),
+        ("paths.bounces", 2.5),
+        ("paths.bounces", None),
+        ("paths.bounces", float("nan")),
+        ("paths.bonces", 2),
+        ("pads.bounces", 2),
+        ("bounces", 2),
+    ]:
         assert "\n" not in refusal(renderer.set, path, value)
     assert renderer.get("paths.bounces") == 4
 
@@ -176,9 +193,9 @@ def test_the_animation_stands_at_the_frames_time(tmp_path):
     assert panel.duration == 1
     here, gone = 1.0, 0.0
     still, late, moving = (make_renderer(panel, frame_graph(), **options) for options in ({}, {"time": 2}, {"fps": 1}))
-    for renderer, expected in [(still, (here, here)), (late, (gone, gone)), (moving, (here, gone))]:
+    for shown, expected in [(still, (here, here)), (late, (gone, gone)), (moving, (here, gone))]:
         for value in expected:
-            np.testing.assert_allclose(image_after(renderer, 1, "emission"), value)
+            np.testing.assert_allclose(image_after(shown, 1, "emission"), value)
     still.set_time(1)
     np.testing.assert_allclose(image_after(still, 1, "emission"), gone)
 
@@ -237,7 +254,9 @@ def test_errors_measured_on_the_device_are_those_measured_on_the_host(scene, tmp
     reference = image_after(make_renderer(scene, seed=1), 8)
     restirpg.write_exr(tmp_path / "reference.exr", {"": reference})
     graph = frame_graph()
-    errors = graph.add("errors", "ErrorMeasure", image=graph["accumulate"].mean, reference=str(tmp_path / "reference.exr"))
+    errors = graph.add(
+        "errors", "ErrorMeasure", image=graph["accumulate"].mean, reference=str(tmp_path / "reference.exr")
+    )
     graph.output("errors", errors.errors)
     graph.output("map", errors.map)
     renderer = make_renderer(scene, graph)
@@ -291,10 +310,13 @@ def test_the_scene_tells_what_it_holds(scene, scene_file):
     assert image_after(make_renderer(bright), 2).mean() > image_after(make_renderer(scene), 2).mean()
 
 
-@pytest.mark.parametrize(("options", "words"), [
-    ({"device": "no such device"}, "no such device"),
-    ({"backend": "magic"}, "magic"),
-])
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"device": "no such device"}, "no such device"),
+        ({"backend": "magic"}, "magic"),
+    ],
+)
 def test_an_impossible_device_is_one_clear_error(scene, options, words):
     text = refusal(make_renderer, scene, **options)
     assert words in text and "\n" not in text
@@ -319,8 +341,18 @@ def test_reading_before_the_first_frame_is_refused(renderer):
 
 
 def test_every_public_name_is_documented():
-    for name in ("load_scene", "load_graph", "devices", "read_exr", "write_exr", "write_png", "measure_errors", "Error",
-                 "Renderer", "Scene"):
+    for name in (
+        "load_scene",
+        "load_graph",
+        "devices",
+        "read_exr",
+        "write_exr",
+        "write_png",
+        "measure_errors",
+        "Error",
+        "Renderer",
+        "Scene",
+    ):
         assert getattr(restirpg, name).__doc__.strip()
     for name, member in vars(restirpg.Renderer).items():
         assert name.startswith("_") or member.__doc__.strip(), name

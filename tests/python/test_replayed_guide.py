@@ -1,4 +1,5 @@
-"""Why shifts copy guided directions and do not replay the random numbers that drew them [shaders/README: Why guided directions are copied and not replayed].
+"""Why shifts copy guided directions and do not replay the random numbers that drew them [shaders/README: Why guided
+directions are copied and not replayed].
 
 ReplayReuse carries one bounce that never reconnects from frame to frame, as a direction (variant U, what
 ReSTIRReuse does) or as random numbers (variant P, what Lin et al. 2022 do without a guide), and a guide of
@@ -46,38 +47,55 @@ def one_bounce(mode=None, replay=False, cap=8):
     outputs = [{"name": "image", "pass": "accumulate", "output": "mean"}]
     if mode:
         passes += [
-            entry("splat", "GuidingSplat", {"cells": CELLS, "cell_size": 0.6}, guide=wire("fit.guide", True),
-                  vertices=wire("bounce.vertices")),
-            entry("fit", "GuidingFit", {"cells": CELLS}, statistics=wire("splat.statistics"),
-                  history=wire("fit.guide", True)),
-            entry("held", "HeldGuide", {"cells": CELLS, "mode": mode}, guide=wire("fit.guide", True),
-                  history=wire("held.guide", True)),
+            entry(
+                "splat",
+                "GuidingSplat",
+                {"cells": CELLS, "cell_size": 0.6},
+                guide=wire("fit.guide", True),
+                vertices=wire("bounce.vertices"),
+            ),
+            entry(
+                "fit",
+                "GuidingFit",
+                {"cells": CELLS},
+                statistics=wire("splat.statistics"),
+                history=wire("fit.guide", True),
+            ),
+            entry(
+                "held",
+                "HeldGuide",
+                {"cells": CELLS, "mode": mode},
+                guide=wire("fit.guide", True),
+                history=wire("held.guide", True),
+            ),
         ]
         outputs.append({"name": "guide", "pass": "fit", "output": "guide"})
     return {"name": "one bounce", "passes": passes, "outputs": outputs}
 
 
 @pytest.fixture(scope="module")
-def reference(scene):  # noqa: F811
+def reference(scene):
     return run_means(scene, one_bounce(), 400, 100, 16)[0]
 
 
-def guided_z(scene, reference, first_seed, **how):  # noqa: F811
+def guided_z(scene, reference, first_seed, **how):
     """z of the guided runs' mean; most cells guide, and none has many samples."""
     means, renderer = run_means(scene, one_bounce(**how), FRAMES, first_seed, RUNS)
     header = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, oracle.MEMORY)[0]
     samples = header["samples"] / header["cells"]
-    print(f"{how}: {header['cells']} cells, {header['guiding']} guide, {samples:.1f} samples a cell and frame; "
-          f"{means.mean() / reference.mean():.4f} of the reference")
+    print(
+        f"{how}: {header['cells']} cells, {header['guiding']} guide, {samples:.1f} samples a cell and frame; "
+        f"{means.mean() / reference.mean():.4f} of the reference"
+    )
     assert header["guiding"] > 0.5 * header["cells"]
     assert samples < 32
     return z_of(means, reference)
 
 
 @pytest.mark.parametrize(("mode", "replay"), [("live", False), ("frozen", False), ("frozen", True)])
-def test_copied_directions_and_a_guide_that_learns_nothing_keep_the_mean(scene, reference, mode, replay):  # noqa: F811
+def test_copied_directions_and_a_guide_that_learns_nothing_keep_the_mean(scene, reference, mode, replay):
     assert abs(guided_z(scene, reference, 9000, mode=mode, replay=replay)) < 4
 
 
-def test_replaying_numbers_through_a_guide_that_learnt_from_them_is_biased(scene, reference):  # noqa: F811
+def test_replaying_numbers_through_a_guide_that_learnt_from_them_is_biased(scene, reference):
     assert abs(guided_z(scene, reference, 9000, mode="live", replay=True)) > 6

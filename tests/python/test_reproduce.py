@@ -121,12 +121,8 @@ def test_a_table_has_the_numbers_of_the_runs_beside_it(everything):
     for row in read(everything / "figure_5.csv"):
         last = [float(run["mape"]) for run in runs if run["method"] == row["method"] and run["frame"] == "2"]
         assert float(row["MAPE, mean of all frames"]) == pytest.approx(np.mean(last), rel=1e-6)
-        assert float(row["MAPE, mean of all frames (se)"]) == pytest.approx(
-            np.std(last, ddof=1) / 2**0.5, rel=1e-6
-        )
-    assert {row["method"] for row in read(everything / "figure_5.csv")} == {
-        method.label for method in METHODS
-    }
+        assert float(row["MAPE, mean of all frames (se)"]) == pytest.approx(np.std(last, ddof=1) / 2**0.5, rel=1e-6)
+    assert {row["method"] for row in read(everything / "figure_5.csv")} == {method.label for method in METHODS}
 
 
 def test_figures_share_runs_and_a_second_start_renders_nothing(everything):
@@ -144,9 +140,7 @@ def test_there_are_as_many_jobs_as_the_list_says(everything):
     jobs, _ = experiments.jobs_and_minutes(paper, experiments.EXPERIMENTS)
     studies = {study for experiment in experiments.EXPERIMENTS for study in experiment.studies(paper)}
     references = {study.changes: study.views for study in studies}
-    jobs -= size.reference_batches * sum(
-        views - 1 for views in references.values()
-    )  # nothing moves in the box
+    jobs -= size.reference_batches * sum(views - 1 for views in references.values())  # nothing moves in the box
     probes = {(method.graph, method.knobs, study.changes) for study in studies for method in study.methods}
     assert len(finished(everything)) == jobs + len(references) + len(probes) + len(references)
 
@@ -202,9 +196,7 @@ class MadeUpPaper:
 
     def answers(self, calls):
         bytes_of = {"bytes": {"vertex": 16, "guide": 160, "statistics": 152}}
-        return [
-            {"averages": np.ones((2, 5, 2, 3)), "guiding": np.ones((2, 5)), "meta": bytes_of} for _ in calls
-        ]
+        return [{"averages": np.ones((2, 5, 2, 3)), "guiding": np.ones((2, 5)), "meta": bytes_of} for _ in calls]
 
 
 @pytest.mark.parametrize("name", [name for name in experiments.BY_NAME if name != "figure 4"])
@@ -265,9 +257,7 @@ def test_each_method_has_its_own_errors():
 
 
 def test_candidates_unguided_are_what_guided_ones_are_compared_with():
-    table = errors.table(
-        "t", "t", made_up(**{CANDIDATES[0].label: 0.4, CANDIDATES[1].label: 0.3}), CANDIDATES
-    )
+    table = errors.table("t", "t", made_up(**{CANDIDATES[0].label: 0.4, CANDIDATES[1].label: 0.3}), CANDIDATES)
     change = {row[1]: row[3] for row in table.rows}
     assert change[CANDIDATES[0].label] == "" and change[CANDIDATES[1].label].mean == pytest.approx(-0.25)
 
@@ -319,9 +309,7 @@ def test_a_run_of_one_frame_has_no_recovery():
 
 def test_recovery_counts_frames_from_the_jump():
     """Measured are the frame before, the jump, and three more; 1.1 times the last error is 0.11."""
-    values = np.array(
-        [[0.05, 0.5, 0.3, 0.105, 0.1], [0.05, 0.5, 0.12, 0.12, 0.1], [0.05, 0.1, 0.4, 0.2, 0.1]]
-    )
+    values = np.array([[0.05, 0.5, 0.3, 0.105, 0.1], [0.05, 0.5, 0.12, 0.12, 0.1], [0.05, 0.1, 0.4, 0.2, 0.1]])
     assert list(motion.frames_to_recover(values)) == [3, 4, 1]
 
 
@@ -354,9 +342,7 @@ def test_table_1_keeps_restir_and_raw_apart():
 
 def test_variants_of_an_ablation_have_their_own_rows():
     labels = [ablation.DEFAULT, "without guiding"]
-    labels += [
-        f"{title}: {name}" for title, (_, variants) in ablation.FAMILIES.items() for name, _, _ in variants
-    ]
+    labels += [f"{title}: {name}" for title, (_, variants) in ablation.FAMILIES.items() for name, _, _ in variants]
     values = {label: np.array([1.0, 1.1]) * number for number, label in enumerate(labels, 1)}
     rows, groups = ablation.rows_of_scene("s", {"shown": values})
     assert len(rows) == len(labels) and len(groups) == len(labels) - 1
@@ -414,7 +400,10 @@ def test_a_csv_has_means_and_errors_unscaled(tmp_path):
         (["figure", "5", "--scenes", "README.md"], "README.md"),
         (["figure", "5", "--size", "12"], "'12' is not WIDTHxHEIGHT"),
         (["figure", "5", "--quick", "--full"], "not allowed with"),
-        (["figure", "5", "--cache", "README.md"], "README.md: cannot be written to: not a folder; choose another folder with --cache"),
+        (
+            ["figure", "5", "--cache", "README.md"],
+            "README.md: cannot be written to: not a folder; choose another folder with --cache",
+        ),
     ],
 )
 def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, arguments, words):
@@ -451,8 +440,19 @@ def test_scenes_read_outside_of_their_folders_only_where_that_is_allowed(tmp_pat
 def test_the_guide_is_seen_in_a_scene_that_reads_outside_of_its_folder_where_that_is_allowed(tmp_path):
     outside = write_outside(write_flying_panel(tmp_path / "panel.gltf"))
     (tmp_path / "none.py").write_text("graph = 0\n")  # a graph is read after the scene; rendering would take seconds
-    command = [sys.executable, ROOT / "scripts" / "see_guide.py", "--scene", outside, "--pixel", "0", "0", "--graph",
-               tmp_path / "none.py", "-o", tmp_path / "guide.png"]
+    command = [
+        sys.executable,
+        ROOT / "scripts" / "see_guide.py",
+        "--scene",
+        outside,
+        "--pixel",
+        "0",
+        "0",
+        "--graph",
+        tmp_path / "none.py",
+        "-o",
+        tmp_path / "guide.png",
+    ]
     for arguments, words in (([], "lies outside of the scene's folder"), (["--allow-outside"], "none.py")):
         run = subprocess.run([*command, *arguments], capture_output=True, text=True)
         assert run.returncode == 2 and len(run.stderr.splitlines()) == 1 and words in run.stderr, run.stderr

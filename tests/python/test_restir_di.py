@@ -34,7 +34,7 @@ def every_light_reference(every_light):
 
 
 @pytest.fixture(scope="module")
-def box_reference(scene):  # noqa: F811
+def box_reference(scene):
     return make_reference(scene, REFERENCE_FRAMES)
 
 
@@ -57,7 +57,7 @@ def test_the_mean_is_the_path_tracers_under_every_kind_of_light(every_light, eve
     check(independent_runs(renderer, RUNS, (1, FRAMES)), every_light_reference)
 
 
-def test_the_mean_is_the_path_tracers_at_shadow_edges(scene, box_reference):  # noqa: F811
+def test_the_mean_is_the_path_tracers_at_shadow_edges(scene, box_reference):
     check(independent_runs(make_renderer(scene, direct_graph()), RUNS, (1, FRAMES)), box_reference)
 
 
@@ -94,17 +94,19 @@ def test_what_is_not_direct_through_rough_lobes_is_the_path_tracers(tmp_path):
 
 
 SETTINGS = [
-    {"rounds": 0, "cap": 1}, {"rounds": 0, "cap": 100}, {"rounds": 1, "neighbours": 1, "cap": 20},
-    {"rounds": 2, "neighbours": 3, "cap": 5}, {"rounds": 4, "neighbours": 6, "cap": 20},
-    {"rounds": 1, "neighbours": 6, "cap": 100, "radius": 150.0, "normal_threshold": -1.0,
-     "depth_threshold": 10.0},
+    {"rounds": 0, "cap": 1},
+    {"rounds": 0, "cap": 100},
+    {"rounds": 1, "neighbours": 1, "cap": 20},
+    {"rounds": 2, "neighbours": 3, "cap": 5},
+    {"rounds": 4, "neighbours": 6, "cap": 20},
+    {"rounds": 1, "neighbours": 6, "cap": 100, "radius": 150.0, "normal_threshold": -1.0, "depth_threshold": 10.0},
     {"rounds": 2, "neighbours": 3, "cap": 20, "mis": "balance"},
     {"rounds": 3, "neighbours": 2, "cap": 20, "candidates": 2, "bsdf_candidates": 4, "feedback": False},
 ]
 
 
 @pytest.mark.parametrize("settings", SETTINGS, ids=str)
-def test_the_mean_does_not_depend_on_what_is_reused(scene, box_reference, settings):  # noqa: F811
+def test_the_mean_does_not_depend_on_what_is_reused(scene, box_reference, settings):
     samples = independent_runs(make_renderer(scene, direct_graph(**settings)), RUNS // 2, (FRAMES,))
     verdict = compare(samples[FRAMES], box_reference)
     print(verdict)
@@ -113,10 +115,17 @@ def test_the_mean_does_not_depend_on_what_is_reused(scene, box_reference, settin
 
 # The mistake, and settings under which it matters. The weights' sums below find that of the previous camera.
 @pytest.mark.compile_bound
-@pytest.mark.parametrize(("mistake", "settings"), [
-    ("di_visibility", {}), ("di_cap", {}), ("di_confidence", {}), ("di_light_measure", {}),
-    ("di_mixture", {"candidates": 1, "bsdf_candidates": 4, "rounds": 0})])
-def test_a_mistake_shows_in_the_mean(scene, box_reference, mistake, settings):  # noqa: F811
+@pytest.mark.parametrize(
+    ("mistake", "settings"),
+    [
+        ("di_visibility", {}),
+        ("di_cap", {}),
+        ("di_confidence", {}),
+        ("di_light_measure", {}),
+        ("di_mixture", {"candidates": 1, "bsdf_candidates": 4, "rounds": 0}),
+    ],
+)
+def test_a_mistake_shows_in_the_mean(scene, box_reference, mistake, settings):
     with mutant(mistake, "ReSTIRDI"):
         renderer = make_renderer(scene, direct_graph(**settings))
     samples = independent_runs(renderer, RUNS // 4, (FRAMES,))
@@ -129,9 +138,16 @@ def weight_sums(every_light, pairwise=True):
     """Farthest from 1 that the MIS weights of a point add up to, in temporal and in spatial reuse."""
     graph = direct_graph()
     direct, gbuffer = graph["direct"], graph["gbuffer"]
-    probe = graph.add("probe", "MergeProbe", surface=gbuffer.surface, motion=gbuffer.motion,
-                      previous_surface=restirpg.prev("gbuffer.surface"), reservoirs=direct.reservoirs,
-                      history=restirpg.prev("direct.reservoirs"), pairwise=pairwise)
+    probe = graph.add(
+        "probe",
+        "MergeProbe",
+        surface=gbuffer.surface,
+        motion=gbuffer.motion,
+        previous_surface=restirpg.prev("gbuffer.surface"),
+        reservoirs=direct.reservoirs,
+        history=restirpg.prev("direct.reservoirs"),
+        pairwise=pairwise,
+    )
     graph.output("temporal", probe.temporal)
     graph.output("spatial", probe.spatial)
     renderer = make_renderer(every_light, graph)
@@ -160,10 +176,11 @@ def test_a_mistake_breaks_the_weights_sum(own_plugins, every_light, mistake):
         assert weight_sums(every_light).max() > 100 * PARTITION_TOLERANCE
 
 
-def test_reuse_lowers_the_error(scene, box_reference):  # noqa: F811
+def test_reuse_lowers_the_error(scene, box_reference):
     def errors(**settings):
         samples = independent_runs(make_renderer(scene, direct_graph(**settings)), 8, (1, FRAMES))
         return [((images - box_reference.mean) ** 2).mean() for images in samples.values()]
+
     (alone, temporal), (spatial, _) = errors(rounds=0), errors()
     print(f"mean squared error: no reuse {alone:.1e}, spatial {spatial:.1e}, temporal {temporal:.1e}")
     assert spatial < 0.8 * alone and temporal < 0.4 * alone
@@ -191,11 +208,14 @@ def test_an_animated_scene_stays_finite_and_not_negative(tmp_path):
 
 
 @pytest.mark.parametrize("missing", ["motion", "previous_surface", "history"])
-def test_half_a_history_is_refused(scene, missing):  # noqa: F811
+def test_half_a_history_is_refused(scene, missing):
     graph = restirpg.Graph("Half a history")
     gbuffer = graph.add("gbuffer", "GBuffer")
-    inputs = {"motion": gbuffer.motion, "previous_surface": restirpg.prev("gbuffer.surface"),
-              "history": restirpg.prev("direct.reservoirs")}
+    inputs = {
+        "motion": gbuffer.motion,
+        "previous_surface": restirpg.prev("gbuffer.surface"),
+        "history": restirpg.prev("direct.reservoirs"),
+    }
     del inputs[missing]
     direct = graph.add("direct", "ReSTIRDI", surface=gbuffer.surface, **inputs)
     graph.output("image", direct.radiance)
@@ -203,7 +223,7 @@ def test_half_a_history_is_refused(scene, missing):  # noqa: F811
         make_renderer(scene, graph)
 
 
-def test_without_history_each_frame_stands_alone(scene):  # noqa: F811
+def test_without_history_each_frame_stands_alone(scene):
     graph = restirpg.Graph("No history")
     gbuffer = graph.add("gbuffer", "GBuffer")
     direct = graph.add("direct", "ReSTIRDI", surface=gbuffer.surface)

@@ -6,7 +6,6 @@ the analytic one; RUNS runs at 16 x 16, of which the last frame is a sample; 3.7
 of freedom are a false alarm of 0.1% a case. Without light samples a candidate's weight has no variance there.
 """
 
-
 import numpy as np
 import pytest
 from furnace_scenes import BRUSHED, MIRROR, PANE, closed_box, dark_half, standard_errors_off, upright_strips
@@ -17,8 +16,13 @@ from restirpg.harness.unbiased import independent_runs
 
 ALBEDO, BOUNCES = 0.8, 2
 RUNS, FRAMES, LIMIT = 32, 4, 3.7
-REUSE = {"none": {"temporal": False, "rounds": 0}, "temporal": {"rounds": 0}, "spatial": {"temporal": False},
-         "both": {}, "much": {"rounds": 3, "neighbours": 6, "cap": 100.0}}
+REUSE = {
+    "none": {"temporal": False, "rounds": 0},
+    "temporal": {"rounds": 0},
+    "spatial": {"temporal": False},
+    "both": {},
+    "much": {"rounds": 3, "neighbours": 6, "cap": 100.0},
+}
 DEFAULTS = {"temporal": True, "rounds": 1, "neighbours": 3, "cap": 20.0}
 
 
@@ -27,9 +31,16 @@ def make_renderer(file, size, bounces, **knobs):
     graph = restirpg.Graph("Resampled")
     gbuffer = graph.add("gbuffer", "GBuffer")
     paths = graph.add("paths", "PathTracerGuided", surface=gbuffer.surface)
-    reuse = graph.add("reuse", "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates,
-                      motion=gbuffer.motion, previous_surface=restirpg.prev("gbuffer.surface"),
-                      history=restirpg.prev("reuse.reservoirs"), **knobs)
+    reuse = graph.add(
+        "reuse",
+        "ReSTIRReuse",
+        surface=gbuffer.surface,
+        candidates=paths.candidates,
+        motion=gbuffer.motion,
+        previous_surface=restirpg.prev("gbuffer.surface"),
+        history=restirpg.prev("reuse.reservoirs"),
+        **knobs,
+    )
     graph.output("radiance", reuse.radiance)
     renderer = restirpg.Renderer(restirpg.load_scene(file), graph, size=size, validation=True)
     renderer.set("paths.bounces", bounces)  # not what the scene says
@@ -63,8 +74,9 @@ EXPECTED = sum(ALBEDO**k for k in range(2, BOUNCES + 2))
 def test_a_closed_furnace_gives_its_series_whatever_is_reused(box, reuse, nee):
     means = box_means(box, nee, REUSE[reuse])
     error = max(means.std(ddof=1) / np.sqrt(RUNS), 1e-5 * EXPECTED)
-    print(f"{reuse}, light samples {nee}: ratio {means.mean() / EXPECTED:.5f}, "
-          f"detectable {LIMIT * error / EXPECTED:.3%}")
+    print(
+        f"{reuse}, light samples {nee}: ratio {means.mean() / EXPECTED:.5f}, detectable {LIMIT * error / EXPECTED:.3%}"
+    )
     assert standard_errors_off(means, EXPECTED) < LIMIT
     assert standard_errors_off(means, EXPECTED + ALBEDO ** (BOUNCES + 2)) > 2 * LIMIT  # a bounce too many
 
@@ -82,6 +94,7 @@ def test_a_mistake_in_the_candidates_shows_in_the_furnace(tmp_path, mistake):
 @pytest.mark.compile_bound
 def test_a_clear_pane_loses_no_light_but_without_the_probability_of_labels(tmp_path):
     """It reflects or transmits; a label's value over its probability is 1."""
+
     def errors():
         pane = make_renderer(upright_strips(tmp_path, PANE), (16, 16), 0, **REUSE["none"])
         pane.render(1)

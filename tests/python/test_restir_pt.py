@@ -39,8 +39,16 @@ def restir(accumulate=True, trees=1, **knobs):
     g = restirpg.Graph("Indirect light, resampled")
     gbuffer = g.add("gbuffer", "GBuffer")
     paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, trees=trees)
-    reuse = g.add("reuse", "ReSTIRReuse", surface=gbuffer.surface, candidates=paths.candidates, motion=gbuffer.motion,
-                  previous_surface=restirpg.prev("gbuffer.surface"), history=restirpg.prev("reuse.reservoirs"), **knobs)
+    reuse = g.add(
+        "reuse",
+        "ReSTIRReuse",
+        surface=gbuffer.surface,
+        candidates=paths.candidates,
+        motion=gbuffer.motion,
+        previous_surface=restirpg.prev("gbuffer.surface"),
+        history=restirpg.prev("reuse.reservoirs"),
+        **knobs,
+    )
     image = g.add("accumulate", "Accumulate", indirect=reuse.radiance, history=restirpg.prev("accumulate.sums"))
     g.output("image", image.mean if accumulate else reuse.radiance)
     return g
@@ -65,7 +73,9 @@ def z_of(values, reference):
     """Standard score of the difference of two samples' means."""
     error = np.sqrt(values.var(ddof=1) / len(values) + reference.var(ddof=1) / len(reference))
     z = (values.mean() - reference.mean()) / error
-    print(f"ratio {values.mean() / reference.mean():.4f}, z {z:.2f}, smallest detectable bias {4 * error / reference.mean():.4f}")
+    print(
+        f"ratio {values.mean() / reference.mean():.4f}, z {z:.2f}, smallest detectable bias {4 * error / reference.mean():.4f}"
+    )
     return z
 
 
@@ -79,8 +89,11 @@ def test_candidates_alone_have_the_path_tracers_mean(scene, reference):
     assert abs(z_of(means_after(scene, restir(temporal=False, rounds=0), 100, 200, 8), reference)) < 4
 
 
-@pytest.mark.parametrize("knobs", [{"temporal": False, "rounds": 1}, {"temporal": True, "rounds": 0}, {}, {"pool": 8, "radius": 400.0}, {"trees": 2}],
-                         ids=["spatial", "temporal", "both", "compatible neighbours", "two trees"])
+@pytest.mark.parametrize(
+    "knobs",
+    [{"temporal": False, "rounds": 1}, {"temporal": True, "rounds": 0}, {}, {"pool": 8, "radius": 400.0}, {"trees": 2}],
+    ids=["spatial", "temporal", "both", "compatible neighbours", "two trees"],
+)
 def test_reuse_keeps_the_mean(scene, reference, knobs):
     """Frame 4 of each run is one sample, for frames of one run are correlated."""
     assert abs(z_of(means_after(scene, restir(False, **knobs), 4, 300, 24), reference)) < 4
@@ -88,8 +101,9 @@ def test_reuse_keeps_the_mean(scene, reference, knobs):
 
 @pytest.mark.parametrize("port", ["paths.radiance", "reuse.radiance"])
 def test_several_trees_are_the_mean_of_as_many_runs(scene, port):
-    """Without reuse the luminance of n trees is the mean of n independent ones, path traced or resampled: the mean stays, each pixel's
-    variance falls to 1 / n. Trees that shared their numbers would leave it; a sum in place of the mean would multiply both."""
+    """Without reuse the luminance of n trees is the mean of n independent ones, path traced or resampled: the mean
+    stays, each pixel's variance falls to 1 / n. Trees that shared their numbers would leave it; a sum in place of the
+    mean would multiply both."""
     trees, frames = 4, 128
     statistics = []
     for n in (1, trees):
@@ -102,7 +116,9 @@ def test_several_trees_are_the_mean_of_as_many_runs(scene, port):
             renderer.render(1)
             images.append(renderer.output("port").reshape(-1, 3) @ LUMINANCE)
         images = np.array(images, float)
-        statistics.append((images.mean(), np.sqrt(images.var(0, ddof=1).mean() / images.size), images.var(0, ddof=1).mean()))
+        statistics.append(
+            (images.mean(), np.sqrt(images.var(0, ddof=1).mean() / images.size), images.var(0, ddof=1).mean())
+        )
     (mean_1, error_1, variance_1), (mean_n, error_n, variance_n) = statistics
     print(f"{port}: mean {mean_1:.4f} and {mean_n:.4f}, variance ratio {variance_1 / variance_n:.3f}")
     assert abs(mean_1 - mean_n) < 4 * np.hypot(error_1, error_n)

@@ -1,10 +1,11 @@
-"""ReSTIR PT while things move. Temporal reuse is biased then (its README says by how much), but must not feed on itself.
+"""ReSTIR PT while things move. Temporal reuse is biased then (its README says by how much), but must not feed on
+itself.
 
-The tower of the Cornell box moves by 3 cm a frame. When the history's domain was where its surface had been, which is inside of the
-tower now, no path led anywhere from there, and the history counted again in every frame: 63% too much indirect light after 8
-frames. RUNS runs give a standard error of about 1%; LARGEST is three times the bias that is left.
+The tower of the Cornell box moves by 3 cm a frame. When the history's domain was where its surface had been, which is
+inside of the tower now, no path led anywhere from there, and the history counted again in every frame: 63% too much
+indirect light after 8 frames. RUNS runs give a standard error of about 1%; LARGEST is three times the bias that is
+left.
 """
-
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ def place_tower(renderer, frame):
 
 
 @pytest.mark.parametrize("rounds", [0, 1])
-def test_light_on_and_around_what_moves_does_not_add_up(scene, rounds):  # noqa: F811
+def test_light_on_and_around_what_moves_does_not_add_up(scene, rounds):
     still = make_renderer(scene, resampled(True), size=SIZE)
     moving = make_renderer(scene, resampled(False), size=SIZE)
     for renderer in (still, moving):

@@ -1,4 +1,5 @@
-"""Values of the scene that Python reads and changes, against scene files that were written with them; and Renderer.reload."""
+"""Values of the scene that Python reads and changes, against scene files that were written with them; and
+Renderer.reload."""
 
 import json
 import shutil
@@ -23,13 +24,16 @@ def add_lights(document):
     """A lamp at a node, and a constant environment."""
     document["extensionsUsed"].append("KHR_lights_punctual")
     document["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 1.0}]}}
-    document["nodes"].append({"name": "Lamp", "matrix": LAMP.T.flatten().tolist(), "extensions": {"KHR_lights_punctual": {"light": 0}}})
+    document["nodes"].append(
+        {"name": "Lamp", "matrix": LAMP.T.flatten().tolist(), "extensions": {"KHR_lights_punctual": {"light": 0}}}
+    )
     document["scenes"][0]["nodes"].append(len(document["nodes"]) - 1)
     document["asset"]["extras"]["restirpg"]["environment"] = [0.125, 0.125, 0.125]
 
 
 def put(document, values):
     """Write values into a glTF's JSON, each where the file has it."""
+
     def named(kind, name):
         return next(entry for entry in document[kind] if entry.get("name") == name)
 
@@ -60,21 +64,23 @@ def put(document, values):
 
 
 @pytest.fixture(scope="module")
-def write(scene_file, tmp_path_factory):  # noqa: F811
+def write(scene_file, tmp_path_factory):
     """A function that writes the Cornell box with two lights more and these values, and loads it."""
     data = scene_file.read_bytes()
     (length,) = struct.unpack("<I", data[12:16])
     folder = tmp_path_factory.mktemp("edits")
 
     def with_values(values):
-        document = json.loads(data[20:20 + length])
+        document = json.loads(data[20 : 20 + length])
         add_lights(document)
         put(document, values)
         text = json.dumps(document).encode()
         text += b" " * (-len(text) % 4)
-        rest = data[20 + length:]
+        rest = data[20 + length :]
         file = folder / f"{len(list(folder.iterdir()))}.glb"
-        file.write_bytes(struct.pack("<4s4I", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest)
+        file.write_bytes(
+            struct.pack("<4s4I", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest
+        )
         return restirpg.load_scene(file)
 
     return with_values
@@ -129,7 +135,9 @@ def test_an_edit_is_this_renderers_alone_and_files_tell_of_it(write, tmp_path):
     assert picture(one) != before == picture(other)
     one.save(tmp_path / "edited.exr")
     other.save(tmp_path / "plain.exr")
-    assert json.loads(restirpg.read_exr_attributes(tmp_path / "edited.exr")["restirpg.sceneEdits"]) == {"materials.White.base_color": [0.25] * 3}
+    assert json.loads(restirpg.read_exr_attributes(tmp_path / "edited.exr")["restirpg.sceneEdits"]) == {
+        "materials.White.base_color": [0.25] * 3
+    }
     assert "restirpg.sceneEdits" not in restirpg.read_exr_attributes(tmp_path / "plain.exr")
 
 
@@ -140,16 +148,30 @@ def test_a_node_that_was_moved_is_told_where_it_is(edited):
     assert np.allclose(edited.parameters()["nodes.Tower.matrix"], np.eye(4))
 
 
-@pytest.mark.parametrize("values, kind, words", [
-    ({"materials.Whit.roughness": 0.5}, ValueError, "no parameter 'materials.Whit.roughness'; did you mean 'materials.White.roughness'"),
-    ({"materials.White.roughness": 1.5}, ValueError, "'materials.White.roughness' cannot be 1.5: must lie between 0 and 1"),
-    ({"materials.White.base_color": [1, 1]}, ValueError, "takes 3 numbers, not 2"),
-    ({"materials.White.roughness": "rough"}, ValueError, "takes numbers"),
-    ({"materials.99.roughness": 0.5}, IndexError, "the scene has 6 materials, counted from 0"),
-    ({"materials.0.roughness": 0.5}, ValueError, "called 'White'"), ({"lights.7.intensity": 1}, IndexError, "has 1 lights"),
-    ({"lights.Lamp.intensity": [1, -1, 1]}, ValueError, "at least 0"),
-    ({"nodes.Tower.matrix": np.full((4, 4), np.nan)}, ValueError, "must be finite"), ({5: 1}, ValueError, "5 is no path"),
-    ({"materials.White.roughness": 0.25, "materials.White.colour": 1}, ValueError, "White.colour")])
+@pytest.mark.parametrize(
+    "values, kind, words",
+    [
+        (
+            {"materials.Whit.roughness": 0.5},
+            ValueError,
+            "no parameter 'materials.Whit.roughness'; did you mean 'materials.White.roughness'",
+        ),
+        (
+            {"materials.White.roughness": 1.5},
+            ValueError,
+            "'materials.White.roughness' cannot be 1.5: must lie between 0 and 1",
+        ),
+        ({"materials.White.base_color": [1, 1]}, ValueError, "takes 3 numbers, not 2"),
+        ({"materials.White.roughness": "rough"}, ValueError, "takes numbers"),
+        ({"materials.99.roughness": 0.5}, IndexError, "the scene has 6 materials, counted from 0"),
+        ({"materials.0.roughness": 0.5}, ValueError, "called 'White'"),
+        ({"lights.7.intensity": 1}, IndexError, "has 1 lights"),
+        ({"lights.Lamp.intensity": [1, -1, 1]}, ValueError, "at least 0"),
+        ({"nodes.Tower.matrix": np.full((4, 4), np.nan)}, ValueError, "must be finite"),
+        ({5: 1}, ValueError, "5 is no path"),
+        ({"materials.White.roughness": 0.25, "materials.White.colour": 1}, ValueError, "White.colour"),
+    ],
+)
 def test_what_cannot_be_is_refused_by_name_and_changes_nothing(edited, values, kind, words):
     before = edited.parameters()
     with pytest.raises(restirpg.Error, match=words) as caught:

@@ -1,7 +1,7 @@
 """What only a picture shows of a scene's file: sixteen quads under one directional light, each with its exact radiance.
 
-Nothing here is random but the place of the sample in its pixel: a Lambert surface of albedo a, lit by an irradiance of pi along the
-unit vector d, has the radiance a (n . -d).
+Nothing here is random but the place of the sample in its pixel: a Lambert surface of albedo a, lit by an irradiance of
+pi along the unit vector d, has the radiance a (n . -d).
 """
 
 import base64
@@ -42,8 +42,15 @@ class Quads:
     def __init__(self):
         self.bytes = bytearray()
         self.expected = []
-        self.document = {"asset": {"version": "2.0"}, "accessors": [], "bufferViews": [], "meshes": [], "materials": [],
-                         "nodes": [], "skins": []}
+        self.document = {
+            "asset": {"version": "2.0"},
+            "accessors": [],
+            "bufferViews": [],
+            "meshes": [],
+            "materials": [],
+            "nodes": [],
+            "skins": [],
+        }
 
     def view(self, data):
         self.document["bufferViews"].append({"buffer": 0, "byteOffset": len(self.bytes), "byteLength": len(data)})
@@ -58,7 +65,9 @@ class Quads:
         )
         return len(self.document["accessors"]) - 1
 
-    def add(self, expected, half=0.45, node=None, material=None, mirrored_uv=False, attributes=None, targets=None, **mesh):
+    def add(
+        self, expected, half=0.45, node=None, material=None, mirrored_uv=False, attributes=None, targets=None, **mesh
+    ):
         """A quad in the next cell; returns its node, to be changed."""
         cell = len(self.expected)
         self.expected.append(expected)
@@ -80,8 +89,11 @@ class Quads:
         material = dict(material or {})
         base = material.pop("base", [ALBEDO] * 3 + [1])
         self.document["materials"].append(
-            {"pbrMetallicRoughness": {"baseColorFactor": base, "metallicFactor": 0},
-             "extensions": {"KHR_materials_specular": {"specularFactor": 0}}, **material}
+            {
+                "pbrMetallicRoughness": {"baseColorFactor": base, "metallicFactor": 0},
+                "extensions": {"KHR_materials_specular": {"specularFactor": 0}},
+                **material,
+            }
         )
         self.document["meshes"].append({"primitives": [primitive], **mesh})
         place = [cell % 4 - 1.5, 1.5 - cell // 4, 0]
@@ -133,8 +145,12 @@ def all_quads():
     quads.add(FLAT, attributes=colours(2, 2, 2))
     quads.add(TO_LIGHT[2], material={"base": [5, 5, 5, 1]})
     quads.add(FLAT, node={"scale": [1, 1, 0]})
-    quads.add(FLAT, half=4.5, node={"skin": 0}, attributes={
-        "JOINTS_0": ([(0, 0, 0, 0)] * 4, "VEC4", 5121), "WEIGHTS_0": ([(1, 0, 0, 0)] * 4, "VEC4")})
+    quads.add(
+        FLAT,
+        half=4.5,
+        node={"skin": 0},
+        attributes={"JOINTS_0": ([(0, 0, 0, 0)] * 4, "VEC4", 5121), "WEIGHTS_0": ([(1, 0, 0, 0)] * 4, "VEC4")},
+    )
     quads.add(FLAT, node={"translation": [0.5, -1.5, 100]}, targets=[(0, 0, -200)] * 4, weights=[0.5])
     quads.add(0, node={"scale": [0, 0, 0]})
     joint = {"scale": [0.1] * 3, "translation": [-0.5, -1.5, 0]}

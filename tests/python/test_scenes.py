@@ -26,8 +26,8 @@ class Glb:
         self.data, self.environment = data, environment
         magic, version, length, json_length, kind = struct.unpack_from("<4sIII4s", data)
         assert (magic, version, length, kind) == (b"glTF", 2, len(data), b"JSON")
-        self.json = json.loads(data[20:20 + json_length])
-        self.binary = data[20 + json_length + 8:]
+        self.json = json.loads(data[20 : 20 + json_length])
+        self.binary = data[20 + json_length + 8 :]
         assert len(self.binary) >= self.json["buffers"][0]["byteLength"]
 
     def accessor(self, index):
@@ -45,14 +45,20 @@ class Glb:
         for mesh in self.json["meshes"]:
             for primitive in mesh["primitives"]:
                 attributes = primitive["attributes"]
-                yield (mesh["name"], primitive, self.accessor(attributes["POSITION"]).astype(float),
-                       self.accessor(attributes["NORMAL"]).astype(float),
-                       self.accessor(primitive["indices"]).reshape(-1, 3).astype(int))
+                yield (
+                    mesh["name"],
+                    primitive,
+                    self.accessor(attributes["POSITION"]).astype(float),
+                    self.accessor(attributes["NORMAL"]).astype(float),
+                    self.accessor(primitive["indices"]).reshape(-1, 3).astype(int),
+                )
 
     def triangle_count(self):
         """Triangles of all placed meshes."""
-        counts = [sum(self.json["accessors"][p["indices"]]["count"] // 3 for p in mesh["primitives"])
-                  for mesh in self.json["meshes"]]
+        counts = [
+            sum(self.json["accessors"][p["indices"]]["count"] // 3 for p in mesh["primitives"])
+            for mesh in self.json["meshes"]
+        ]
         return sum(counts[node["mesh"]] for node in self.json["nodes"] if "mesh" in node)
 
 
@@ -60,8 +66,10 @@ class Glb:
 def glbs():
     """Every scene, encoded once."""
     scenes = [build() for build in SCENES.values()]
-    return {scene.name: Glb(scene.encode(), None if np.ndim(scene.environment) < 3 else
-                            encode_hdr(scene.environment)) for scene in scenes}
+    return {
+        scene.name: Glb(scene.encode(), None if np.ndim(scene.environment) < 3 else encode_hdr(scene.environment))
+        for scene in scenes
+    }
 
 
 def each_scene(test):
@@ -89,8 +97,12 @@ def face_normals(positions, triangles):
 
 
 def test_another_process_with_another_hash_seed_gives_the_same_bytes(glbs, tmp_path):
-    subprocess.run([sys.executable, SCRIPTS / "make_scenes.py", "--out", tmp_path], check=True,
-                   stdout=subprocess.DEVNULL, env={"PYTHONHASHSEED": "1"})
+    subprocess.run(
+        [sys.executable, SCRIPTS / "make_scenes.py", "--out", tmp_path],
+        check=True,
+        stdout=subprocess.DEVNULL,
+        env={"PYTHONHASHSEED": "1"},
+    )
     assert {path.stem for path in tmp_path.glob("*.glb")} == set(SCENES)
     for name, glb in glbs.items():
         assert (tmp_path / f"{name}.glb").read_bytes() == glb.data, name
@@ -146,8 +158,11 @@ def test_a_scene_has_a_camera_a_bounce_cap_and_light(glbs, name):
     document = glbs[name].json
     own = document["asset"]["extras"]["restirpg"]
     assert document["cameras"] and 1 <= own["bounces"] <= 32
-    assert (own.get("environment") or "extensions" in document
-            or any(max(m.get("emissiveFactor", [0])) > 0 for m in document["materials"]))
+    assert (
+        own.get("environment")
+        or "extensions" in document
+        or any(max(m.get("emissiveFactor", [0])) > 0 for m in document["materials"])
+    )
 
 
 @each_scene
@@ -176,21 +191,24 @@ def test_the_diffuse_variant_has_lambert_materials_only(glbs):
 
 @pytest.mark.parametrize("name", ["door_ajar_animated", "door_ajar_box_light"])
 def test_animations_loop(glbs, name):
-    animation, = glbs[name].json["animations"]
+    (animation,) = glbs[name].json["animations"]
     keys = glbs[name].accessor(animation["samplers"][0]["output"])
     assert np.abs(keys[0] - keys[-1]).max() < 1e-6 and np.ptp(keys, axis=0).max() > 0.1
 
 
-@pytest.mark.parametrize("mesh", [
-    shapes.box((0, 0, 0), (1, 2, 3)),
-    shapes.rounded_box((0, 0, 0), (1, 2, 3), 0.05, 3),
-    shapes.cylinder(1, 2, bevel=0.1),
-    shapes.sphere(1),
-    shapes.icosphere(1, 2),
-    shapes.torus(1, 0.3),
-    shapes.tube(shapes.bezier([(0, 0, 0), (1, 0, 0), (1, 1, 0)], 12), 0.1),
-    implicit.mesh_isosurface(lambda p: np.linalg.norm(p, axis=-1) - 1, (-1.2, ) * 3, (1.2,) * 3, 0.1)
-])
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        shapes.box((0, 0, 0), (1, 2, 3)),
+        shapes.rounded_box((0, 0, 0), (1, 2, 3), 0.05, 3),
+        shapes.cylinder(1, 2, bevel=0.1),
+        shapes.sphere(1),
+        shapes.icosphere(1, 2),
+        shapes.torus(1, 0.3),
+        shapes.tube(shapes.bezier([(0, 0, 0), (1, 0, 0), (1, 1, 0)], 12), 0.1),
+        implicit.mesh_isosurface(lambda p: np.linalg.norm(p, axis=-1) - 1, (-1.2,) * 3, (1.2,) * 3, 0.1),
+    ],
+)
 def test_solids_are_closed_and_wound_outward(mesh):
     assert open_edges(mesh.positions.astype(np.float32), mesh.triangles) == 0
     _, faces = face_normals(mesh.positions, mesh.triangles)
@@ -224,12 +242,12 @@ def test_hdr_scanlines_decode_within_the_shared_exponent_error():
     body = encode_hdr(radiance).split(b"\n", 4)[4]
     rows, at = [], 0
     for _ in range(3):
-        assert body[at:at + 4] == bytes((2, 2, 0, 200))
+        assert body[at : at + 4] == bytes((2, 2, 0, 200))
         at, row = at + 4, []
         while len(row) < 800:
             count = body[at]
             assert 0 < count <= 128
-            row += body[at + 1:at + 1 + count]
+            row += body[at + 1 : at + 1 + count]
             at += 1 + count
         rows.append(np.array(row).reshape(4, 200).T)
     rgbe = np.array(rows, float)
@@ -252,10 +270,9 @@ def test_parts_placed_twice_share_their_geometry():
     assert len(document["meshes"]) == 2 and len(document["accessors"]) == 4
 
 
-@pytest.mark.parametrize("arguments",
-                         [["no_such_scene"], ["--no-such-option"], ["cornell_box", "--out", "/dev/null/x"]])
+@pytest.mark.parametrize(
+    "arguments", [["no_such_scene"], ["--no-such-option"], ["cornell_box", "--out", "/dev/null/x"]]
+)
 def test_a_wrong_call_ends_with_one_line_and_exit_code_2(arguments):
-    result = subprocess.run([sys.executable, SCRIPTS / "make_scenes.py", *arguments],
-                            capture_output=True,
-                            text=True)
+    result = subprocess.run([sys.executable, SCRIPTS / "make_scenes.py", *arguments], capture_output=True, text=True)
     assert result.returncode == 2 and len(result.stderr.splitlines()) == 1, result.stderr

@@ -9,7 +9,9 @@ TABLE = rows()
 @pytest.fixture(autouse=True)
 def needs_inputs():
     if shared_folder() is None:
-        pytest.skip("the inputs are missing: none is held to its exact value; set RESTIRPG_SHARED to the folder that holds inputs/")
+        pytest.skip(
+            "the inputs are missing: none is held to its exact value; set RESTIRPG_SHARED to the folder that holds inputs/"
+        )
 
 
 def parameter(row):

@@ -16,7 +16,7 @@ def encode_srgb(x):
 
 @pytest.mark.parametrize("curve", ["linear", "reinhard"])
 @pytest.mark.parametrize("exposure", [-2.0, 3.0])
-def test_display_values_follow_the_formulas(scene, curve, exposure):  # noqa: F811
+def test_display_values_follow_the_formulas(scene, curve, exposure):
     g = restirpg.Graph("Tone mapped")
     gbuffer = g.add("gbuffer", "GBuffer")
     paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, direct=True)

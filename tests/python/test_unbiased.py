@@ -1,8 +1,9 @@
-"""Next event estimation and scattering are two estimators of one integral: with and without it the mean picture is the same.
+"""Next event estimation and scattering are two estimators of one integral: with and without it the mean picture is the
+same.
 
-Null hypothesis: every 4 x 4 block of 32 x 32 pixels has one expected luminance. 64 runs a side, Welch's t, |t| against the
-normal quantile of a false alarm of 1% over all blocks; the seeds are fixed. Lights without a surface (spot, point, directional)
-can only be connected to: they are tested against the irradiance that they are defined by.
+Null hypothesis: every 4 x 4 block of 32 x 32 pixels has one expected luminance. 64 runs a side, Welch's t, |t| against
+the normal quantile of a false alarm of 1% over all blocks; the seeds are fixed. Lights without a surface (spot, point,
+directional) can only be connected to: they are tested against the irradiance that they are defined by.
 """
 
 import json
@@ -26,21 +27,27 @@ RUNS, FRAMES = 64, 4
 def without_punctual_lights(file):
     """The scene, of a .glb file, with the lights that have a surface or surround everything only."""
     data = file.read_bytes()
-    length, = struct.unpack_from("<I", data, 12)
-    document = json.loads(data[20:20 + length])
+    (length,) = struct.unpack_from("<I", data, 12)
+    document = json.loads(data[20 : 20 + length])
     for node in document["nodes"]:
         node.pop("extensions", None)
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)
     total = len(data) - length + len(text)
-    file.write_bytes(struct.pack("<4sIII4s", b"glTF", 2, total, len(text), b"JSON") + text + data[20 + length:])
+    file.write_bytes(struct.pack("<4sIII4s", b"glTF", 2, total, len(text), b"JSON") + text + data[20 + length :])
     return file
 
 
 def block_runs(file, seed, backend, **knobs):
     """Block means of the luminance, (RUNS, 8, 8), of independent stretches of frames."""
-    renderer = restirpg.Renderer(restirpg.load_scene(file), restirpg.load_graph(GRAPH), size=(32, 32), seed=seed,
-                                 backend=backend, validation=True)
+    renderer = restirpg.Renderer(
+        restirpg.load_scene(file),
+        restirpg.load_graph(GRAPH),
+        size=(32, 32),
+        seed=seed,
+        backend=backend,
+        validation=True,
+    )
     for name, value in knobs.items():
         renderer.set(f"paths.{name}", value)
     sums = [np.zeros((32, 32))]
@@ -82,7 +89,7 @@ def test_lights_without_a_surface_give_the_irradiance_they_are_defined_by(tmp_pa
     scene.add_punctual("directional", (3, 4, 0), (0, 0, 0), (2.0,) * 3)
     scene.add_camera((0.5, 1.5, 0), (0, 0, 0), 0.5)  # sees 2 cm of the floor: constant to 1e-4
     file = scene.write(tmp_path)
-    irradiance = 8 / 2 ** 2 + 16 / 4 ** 2 + 2 * 4 / 5
+    irradiance = 8 / 2**2 + 16 / 4**2 + 2 * 4 / 5
     means = run_means(file, 32, 8, backend=backend, bounces=0)
     assert standard_errors_off(means, 0.5 / np.pi * irradiance) < 3
     assert standard_errors_off(means, 0.5 / np.pi * irradiance * 1.02) > 3

@@ -1,8 +1,9 @@
-"""benchmarks/unbiased/record.py and the test it makes (restirpg.harness.unbiased): what it must find, and what it must not.
+"""benchmarks/unbiased/record.py and the test it makes (restirpg.harness.unbiased): what it must find, and what it must
+not.
 
-Rendered cases: 64 runs of the Cornell box at 16 x 16; the seeds are fixed, so that a case that passes keeps passing. Of the
-mutants of ReSTIRReuse only "confidence" shows here: a still camera makes every temporal Jacobian 1, and in a diffuse box the spatial
-ones are near it. Made-up runs: TRIALS comparisons of lognormal pixels, skewed as a frame's are.
+Rendered cases: 64 runs of the Cornell box at 16 x 16; the seeds are fixed, so that a case that passes keeps passing. Of
+the mutants of ReSTIRReuse only "confidence" shows here: a still camera makes every temporal Jacobian 1, and in a
+diffuse box the spatial ones are near it. Made-up runs: TRIALS comparisons of lognormal pixels, skewed as a frame's are.
 """
 
 import json
@@ -21,13 +22,34 @@ RECORD = ROOT / "benchmarks" / "unbiased" / "record.py"
 TRIALS, RUNS = 300, 64
 
 
-def record(out, scene_file, method, *options):  # noqa: F811
+def record(out, scene_file, method, *options):
     """Run the recorder. Returns its exit code and the numbers that it wrote."""
     numbers = out / "numbers.json"
     done = subprocess.run(
-        [sys.executable, RECORD, method, "--scene", scene_file, "--size", "16x16", "--bounces", "2", "--out", out,
-         "--reference-batches", "16", "--batch-frames", "128", "--json", numbers, *options],
-        capture_output=True, text=True, cwd=ROOT)
+        [
+            sys.executable,
+            RECORD,
+            method,
+            "--scene",
+            scene_file,
+            "--size",
+            "16x16",
+            "--bounces",
+            "2",
+            "--out",
+            out,
+            "--reference-batches",
+            "16",
+            "--batch-frames",
+            "128",
+            "--json",
+            numbers,
+            *options,
+        ],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+    )
     assert done.returncode in (0, 1), done.stderr
     print(done.stdout)
     return done.returncode, json.loads(numbers.read_text())
@@ -40,7 +62,7 @@ def out(tmp_path_factory):
 
 
 @pytest.mark.parametrize("method", ["graphs/path_tracer.py@gbuffer.jitter=false", "graphs/restir_pt.py"])
-def test_a_method_without_bias_passes(out, scene_file, method):  # noqa: F811
+def test_a_method_without_bias_passes(out, scene_file, method):
     code, found = record(out, scene_file, method, "--frames", "1,4", "--runs", "64")
     assert code == 0 and found["invalid"] == 0
     assert not any(row["biased"] for row in found["frames"].values())
@@ -51,18 +73,18 @@ CELLS = "splat.cell_size=0.15"
 
 
 @pytest.mark.parametrize("method", ["restir_pg", "raw_pt_ruppert2020"])
-def test_a_guided_method_passes(out, scene_file, method):  # noqa: F811
+def test_a_guided_method_passes(out, scene_file, method):
     code, found = record(out, scene_file, f"graphs/{method}.py@{CELLS}", "--frames", "8", "--runs", "64")
     assert code == 0 and found["invalid"] == 0 and not found["biased"]
 
 
-def test_a_mistake_of_reuse_is_found(out, scene_file):  # noqa: F811
+def test_a_mistake_of_reuse_is_found(out, scene_file):
     with mutant("reuse_confidence", "ReSTIRReuse"):
         code, found = record(out, scene_file, "graphs/restir_pt.py", "--frames", "4", "--runs", "64")
     assert code == 1 and found["biased"]
 
 
-def test_what_was_rendered_before_an_interruption_stays(out, scene_file, tmp_path):  # noqa: F811
+def test_what_was_rendered_before_an_interruption_stays(out, scene_file, tmp_path):
     options = ("graphs/restir_pt.py", "--frames", "1,2", "--runs", "6", "--reference-batches", "2")
     _, whole = record(tmp_path / "whole", scene_file, *options)
     _, first = record(tmp_path / "parts", scene_file, *options, "--seconds", "0")
@@ -75,26 +97,44 @@ def test_what_was_rendered_before_an_interruption_stays(out, scene_file, tmp_pat
     assert [session["first_run"] for session in both["sessions"]] == [0, 2]
 
 
-def test_a_cap_of_no_bounces_is_not_the_scenes_own(scene_file, tmp_path):  # noqa: F811
-    _, found = record(tmp_path, scene_file, "graphs/restir_pt.py", "--frames", "1", "--runs", "2",
-                      "--reference-batches", "2", "--bounces", "0")
+def test_a_cap_of_no_bounces_is_not_the_scenes_own(scene_file, tmp_path):
+    _, found = record(
+        tmp_path,
+        scene_file,
+        "graphs/restir_pt.py",
+        "--frames",
+        "1",
+        "--runs",
+        "2",
+        "--reference-batches",
+        "2",
+        "--bounces",
+        "0",
+    )
     assert found["bounces"] == 0
 
 
-@pytest.mark.parametrize(("arguments", "words"), [
-    (["graphs/none.py", "--scene", "cornell_box"], "no such graph"),
-    (["graphs/restir_pt.py", "--scene", "no_scene"], "neither a file nor an embedded scene"),
-    (["graphs/restir_pt.py", "--scene", "cornell_box", "--size", "10x16"], "multiples of 4"),
-    (["graphs/restir_pt.py", "--scene", "cornell_box", "--frames", "8,1"], "ascending"),
-    (["graphs/restir_pt.py@reuse.capp=3", "--scene", "cornell_box"], "capp")])
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["graphs/none.py", "--scene", "cornell_box"], "no such graph"),
+        (["graphs/restir_pt.py", "--scene", "no_scene"], "neither a file nor an embedded scene"),
+        (["graphs/restir_pt.py", "--scene", "cornell_box", "--size", "10x16"], "multiples of 4"),
+        (["graphs/restir_pt.py", "--scene", "cornell_box", "--frames", "8,1"], "ascending"),
+        (["graphs/restir_pt.py@reuse.capp=3", "--scene", "cornell_box"], "capp"),
+    ],
+)
 def test_a_mistake_in_what_is_asked_is_one_line(tmp_path, arguments, words):
-    done = subprocess.run([sys.executable, RECORD, *arguments, "--out", tmp_path], capture_output=True, text=True, cwd=ROOT)
+    done = subprocess.run(
+        [sys.executable, RECORD, *arguments, "--out", tmp_path], capture_output=True, text=True, cwd=ROOT
+    )
     assert done.returncode == 2 and words in done.stderr.splitlines()[-1] and "Traceback" not in done.stderr
 
 
 def made_up(random, scale=1.0, sigma=1.0):
-    """The verdict on lognormal pixels of mean 1, times `scale`, and an exact reference. Skewness 6 for sigma 1, 33 for 1.5."""
-    samples = scale * random.lognormal(-sigma ** 2 / 2, sigma, (RUNS, 16, 16))
+    """The verdict on lognormal pixels of mean 1, times `scale`, and an exact reference. Skewness 6 for sigma 1, 33 for
+    1.5."""
+    samples = scale * random.lognormal(-(sigma**2) / 2, sigma, (RUNS, 16, 16))
     return compare(samples, Reference(np.ones((16, 16)), np.full((16, 16), 1e-12)))
 
 
@@ -108,8 +148,11 @@ def test_equal_means_are_seldom_called_different(sigma):
     assert sum(verdict.image.p < LEVEL for verdict in verdicts) <= 0.03 * TRIALS
 
 
-@pytest.mark.parametrize(("errors", "least", "most"), [(3.0, 0.5, 0.8), (None, 0.7, 0.95), (5.0, 0.95, 1.0)],
-                         ids=["three standard errors", "the smallest detectable", "five standard errors"])
+@pytest.mark.parametrize(
+    ("errors", "least", "most"),
+    [(3.0, 0.5, 0.8), (None, 0.7, 0.95), (5.0, 0.95, 1.0)],
+    ids=["three standard errors", "the smallest detectable", "five standard errors"],
+)
 def test_a_bias_is_found_as_often_as_its_size_says(errors, least, most):
     """A t-test at 1% finds a shift of three standard errors in 64% of the cases, of 3.5 in 80%."""
     random = np.random.default_rng(2)

@@ -1,4 +1,5 @@
-"""What the viewer tells of a pixel of a guided graph: reservoirs in words, the selected path in the picture, the guide."""
+"""What the viewer tells of a pixel of a guided graph: reservoirs in words, the selected path in the picture, the
+guide."""
 
 import numpy as np
 import pytest
@@ -60,7 +61,9 @@ def test_points_are_projected_as_pixels_see_them(session):
     depth = session.geometry(x, y)["depth"]
     right, up, forward = camera.axes(pose)
     extent = np.tan(pose["yfov"] / 2)
-    point = pose["position"] + depth * (forward + extent * ((2 * (x + 0.5) / SIZE[0] - 1) * right + (1 - 2 * (y + 0.5) / SIZE[1]) * up))
+    point = pose["position"] + depth * (
+        forward + extent * ((2 * (x + 0.5) / SIZE[0] - 1) * right + (1 - 2 * (y + 0.5) / SIZE[1]) * up)
+    )
     np.testing.assert_allclose(np.multiply(camera.project(pose, 1.0, [point])[0], SIZE), [x + 0.5, y + 0.5], atol=1e-6)
     assert camera.project(pose, 1.0, [pose["position"] - forward]) == [None]
 
@@ -75,7 +78,11 @@ def test_empty_and_light_reservoirs_in_words():
     path = np.zeros(1, reservoirs.PATH)
     path["shape"], path["labels"], path["confidence"] = 4 | 3 << 8 | 1 << 17, 1 << 2, 2
     words = [what for what, _ in reservoirs.describe_path(path[0])]
-    assert words[:3] == ["a path of 4 edges", "x1 smooth, x2 sharp reflection (delta), x3 smooth", "it reconnects at x3"]
+    assert words[:3] == [
+        "a path of 4 edges",
+        "x1 smooth, x2 sharp reflection (delta), x3 smooth",
+        "it reconnects at x3",
+    ]
 
 
 def test_the_guide_at_a_pixel_is_that_of_the_harness(session, scene):
@@ -86,9 +93,14 @@ def test_the_guide_at_a_pixel_is_that_of_the_harness(session, scene):
     order = np.argsort(-mixture.weight)
     assert told["lobes"] == [(float(mixture.kappa[i]), float(mixture.weight[i])) for i in order]
     directions, weights = frames[-1]
-    maps = {"lobes": guide_maps.lobes_in(mixture, point), "directions of this frame": point.histogram(directions, weights)}
+    maps = {
+        "lobes": guide_maps.lobes_in(mixture, point),
+        "directions of this frame": point.histogram(directions, weights),
+    }
     assert told["directions"] == len(directions) > 0 and told["maps"] == guide._encoded(maps)
-    cell = guiding.read_table(session.panes[0].renderer.read_port("fit.guide"), guiding.CELL, guiding.MEMORY)[1][point.key][0]
+    cell = guiding.read_table(session.panes[0].renderer.read_port("fit.guide"), guiding.CELL, guiding.MEMORY)[1][
+        point.key
+    ][0]
     assert told["alpha"] == guiding.alpha_of(cell) and told["samples"] == cell["samples"] > 0
     assert sum(weight for _, weight in told["lobes"]) == pytest.approx(1, abs=0.01)
 

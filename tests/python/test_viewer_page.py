@@ -26,7 +26,10 @@ def browser(scene, graph_file):
     """A browser that shows two graphs."""
     if not shutil.which("chromedriver"):
         pytest.skip("chromedriver is not installed: no browser has opened the viewer")
-    with restirpg.view([graph_file, GRAPH], scene, SIZE, captures=graph_file.parent / "films") as viewer, Browser() as browser:
+    with (
+        restirpg.view([graph_file, GRAPH], scene, SIZE, captures=graph_file.parent / "films") as viewer,
+        Browser() as browser,
+    ):
         browser.open(viewer.url)
         browser.wait("window.page && page.frames > 1 && page.state")
         yield browser
@@ -40,7 +43,9 @@ def test_drag_wheel_and_keys_move_the_camera(browser):
     poses = [state(browser, "camera")]
 
     def moved():
-        browser.wait(f"JSON.stringify(page.state.camera) !== {json.dumps(json.dumps(poses[-1], separators=(',', ':')))}")
+        browser.wait(
+            f"JSON.stringify(page.state.camera) !== {json.dumps(json.dumps(poses[-1], separators=(',', ':')))}"
+        )
         poses.append(state(browser, "camera"))
 
     browser.point(".pane canvas", ("move", -200, 20), ("down",), ("move", -100, 40), ("up",))
@@ -49,13 +54,17 @@ def test_drag_wheel_and_keys_move_the_camera(browser):
     moved()
     assert poses[1]["target"] == poses[0]["target"] and poses[2]["position"] != poses[1]["position"]
     browser.run("document.body.dispatchEvent(new KeyboardEvent('keydown', {key: 'h', bubbles: true}))")
-    browser.wait(f"JSON.stringify(page.state.camera.position) === {json.dumps(json.dumps(poses[0]['position'], separators=(',', ':')))}")
+    browser.wait(
+        f"JSON.stringify(page.state.camera.position) === {json.dumps(json.dumps(poses[0]['position'], separators=(',', ':')))}"
+    )
     assert browser.run("return page.latencies.length") > 0
 
 
 def test_a_knob_changes_its_side_of_the_split(browser):
     browser.run("page.stage.set({ mode: 'split', split: 0.5 })")
-    browser.run("const knob = page.panel.panes[1].inputs.get('paths.bounces').input; knob.value = 0; knob.dispatchEvent(new Event('change'))")
+    browser.run(
+        "const knob = page.panel.panes[1].inputs.get('paths.bounces').input; knob.value = 0; knob.dispatchEvent(new Event('change'))"
+    )
     browser.wait("page.state.panes[1].arguments === '--set paths.bounces=0'")
     browser.run("page.send('view', { name: 'difference' })")
     browser.wait("page.state.view === 'difference' && page.stage.images.length === 1")
@@ -80,7 +89,9 @@ def test_a_click_inspects_a_pixel(browser):
 
 
 def test_a_reference_is_traced_and_errors_are_plotted(browser):
-    browser.run("const chosen = document.querySelector('#reference'); chosen.value = 'traced'; chosen.dispatchEvent(new Event('change'))")
+    browser.run(
+        "const chosen = document.querySelector('#reference'); chosen.value = 'traced'; chosen.dispatchEvent(new Event('change'))"
+    )
     browser.wait("page.panel.errors.every(line => line.length > 1) && !page.panel.chart.hidden")
     assert "reference of" in browser.run("return document.querySelector('#status').textContent")
     browser.run("page.send('reference', { source: 'none' })")
@@ -95,9 +106,17 @@ def test_a_film_is_recorded(browser, graph_file):
 
 def test_the_camera_is_copied_as_a_command_line(browser):
     browser.run("page.copied = []; page.copy = text => page.copied.push(text)")
-    browser.run("const copy = document.querySelector('#copy'); for (const kind of ['call', 'json', 'command']) { copy.value = kind; copy.dispatchEvent(new Event('change')); }")
+    browser.run(
+        "const copy = document.querySelector('#copy'); for (const kind of ['call', 'json', 'command']) "
+        "{ copy.value = kind; copy.dispatchEvent(new Event('change')); }"
+    )
     call, data, command = browser.run("return page.copied")
-    assert call.startswith("renderer.move_camera(position=[") and json.loads(data)["up"] and "--pose=" in command and "own.py" in command
+    assert (
+        call.startswith("renderer.move_camera(position=[")
+        and json.loads(data)["up"]
+        and "--pose=" in command
+        and "own.py" in command
+    )
 
 
 def test_an_edited_graph_is_shown_and_a_broken_one_is_told(browser, graph_file):

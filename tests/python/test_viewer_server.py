@@ -45,7 +45,7 @@ class Tab:
         if message.type == aiohttp.WSMsgType.BINARY:
             (length,) = struct.unpack("<I", message.data[:4])
             self.frames += 1
-            return "frame", json.loads(message.data[4:4 + length]), message.data[4 + length:]
+            return "frame", json.loads(message.data[4 : 4 + length]), message.data[4 + length :]
         assert message.type == aiohttp.WSMsgType.TEXT, message
         return "text", json.loads(message.data), b""
 
@@ -63,6 +63,7 @@ class Tab:
 
 def with_tab(viewer, *bodies):
     """Run body(tab) of each, at the same time, each on a socket of its own."""
+
     async def one(session, body):
         async with session.ws_connect(viewer.url + "live", max_msg_size=0) as socket:
             return await body(Tab(socket))
@@ -124,7 +125,10 @@ def test_a_knob_and_a_move_reach_the_picture(viewer):
 
 def test_a_mistake_is_told_and_the_viewer_goes_on(viewer):
     async def body(tab):
-        for message, words in (({"do": "set", "pane": 0, "knob": "paths.nothing", "value": 1}, "nothing"), ({"do": "x"}, "no command")):
+        for message, words in (
+            ({"do": "set", "pane": 0, "knob": "paths.nothing", "value": 1}, "nothing"),
+            ({"do": "x"}, "no command"),
+        ):
             await tab.send(**message)
             error, _ = await tab.until(lambda kind, content: "error" in content)
             assert words in error["error"]
@@ -146,7 +150,9 @@ def test_a_tab_that_shows_nothing_is_sent_no_more_and_another_sees_on(viewer):
 
     async def quick(tab):
         first, _ = await tab.until(is_frame)
-        await tab.until(lambda kind, content: kind == "frame" and content["panes"][0]["frames"] > first["panes"][0]["frames"] + 5)
+        await tab.until(
+            lambda kind, content: kind == "frame" and content["panes"][0]["frames"] > first["panes"][0]["frames"] + 5
+        )
 
     with_tab(viewer, slow, quick)
 

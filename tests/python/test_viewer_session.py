@@ -41,8 +41,15 @@ def session(shared):
     for pane in range(2):
         shared.apply({"do": "reset", "pane": pane})
         shared.apply({"do": "show", "pane": pane, "port": None})
-    for message in ({"do": "reference", "source": "file"}, {"do": "home"}, {"do": "keep", "on": False}, {"do": "play", "on": True}, {"do": "view", "name": "image"},
-                    {"do": "exposure", "stops": 0}, {"do": "seed", "value": 0}):
+    for message in (
+        {"do": "reference", "source": "file"},
+        {"do": "home"},
+        {"do": "keep", "on": False},
+        {"do": "play", "on": True},
+        {"do": "view", "name": "image"},
+        {"do": "exposure", "stops": 0},
+        {"do": "seed", "value": 0},
+    ):
         shared.apply(message)
     shared.render()
     return shared
@@ -97,7 +104,13 @@ def test_a_knob_changes_its_own_graph_alone_and_can_be_reset(session):
     after = images(session)
     assert after[0].tobytes() == before[0].tobytes() and after[1].mean() < 0.99 * after[0].mean()
     state = session.state()["panes"][1]
-    knob = next(knob for entry in state["passes"] if entry["name"] == "paths" for knob in entry["knobs"] if knob["name"] == "bounces")
+    knob = next(
+        knob
+        for entry in state["passes"]
+        if entry["name"] == "paths"
+        for knob in entry["knobs"]
+        if knob["name"] == "bounces"
+    )
     assert (knob["value"], knob["type"], knob["minimum"]) == (0, "uint", 0) and knob["meaning"] and knob["initial"] != 0
     assert state["arguments"] == "--set paths.bounces=0"
     session.apply({"do": "reset", "pane": 1})
@@ -156,14 +169,24 @@ def test_a_pixel_tells_what_it_sees(session):
     assert distance == pytest.approx(pixel["geometry"]["depth"], rel=1e-5)
 
 
-@pytest.mark.parametrize("message, words", [
-    ({"do": "vanish"}, "no command 'vanish'"), ({"do": "orbit", "x": 1}, "missing a required argument: 'y'"),
-    ({"do": "orbit", "x": float("nan"), "y": 0}, "no number"), ({"do": "pan", "x": "1", "y": 0}, "no number"),
-    ({"do": "set", "pane": 2, "knob": "a.b", "value": 1}, "no graph 2"), ({"do": "view", "name": "../x"}, "no view"),
-    ({"do": "set", "pane": 0, "knob": "paths.bounces", "value": "many"}, "bounces"),
-    ({"do": "pose", "position": [0, 0, 0], "target": [0, 1, 0], "up": [0, 1, 0], "yfov": 1}, "span no view"),
-    ({"do": "camera", "number": 1}, "the scene has 1"), ({"do": "reference", "source": "../x"}, "no reference"),
-    ({"do": "film", "frames": 3, "kind": "png"}, "--captures"), ({"do": "__init__"}, "no command"), ({}, "no command None")])
+@pytest.mark.parametrize(
+    "message, words",
+    [
+        ({"do": "vanish"}, "no command 'vanish'"),
+        ({"do": "orbit", "x": 1}, "missing a required argument: 'y'"),
+        ({"do": "orbit", "x": float("nan"), "y": 0}, "no number"),
+        ({"do": "pan", "x": "1", "y": 0}, "no number"),
+        ({"do": "set", "pane": 2, "knob": "a.b", "value": 1}, "no graph 2"),
+        ({"do": "view", "name": "../x"}, "no view"),
+        ({"do": "set", "pane": 0, "knob": "paths.bounces", "value": "many"}, "bounces"),
+        ({"do": "pose", "position": [0, 0, 0], "target": [0, 1, 0], "up": [0, 1, 0], "yfov": 1}, "span no view"),
+        ({"do": "camera", "number": 1}, "the scene has 1"),
+        ({"do": "reference", "source": "../x"}, "no reference"),
+        ({"do": "film", "frames": 3, "kind": "png"}, "--captures"),
+        ({"do": "__init__"}, "no command"),
+        ({}, "no command None"),
+    ],
+)
 def test_what_cannot_be_done_is_refused_and_changes_nothing(session, message, words):
     before, revision = session.camera, session.revision
     with pytest.raises((UserError, restirpg.Error), match=words):
@@ -180,7 +203,9 @@ def test_a_reference_is_traced_while_the_view_rests(session):
     for _ in range(3):
         assert session.trace_reference()
     truth = session.truth()
-    np.testing.assert_allclose(session.errors(), [restirpg.measure_errors(picture, truth)["mape"] for picture in images(session)])
+    np.testing.assert_allclose(
+        session.errors(), [restirpg.measure_errors(picture, truth)["mape"] for picture in images(session)]
+    )
     assert session.frame().header["reference_frames"] == 3 and truth.tobytes() != images(session)[0].tobytes()
     session.apply({"do": "set", "pane": 0, "knob": "paths.bounces", "value": 1})  # the reference's bounce cap follows
     assert session.errors() == [None, None]
@@ -232,7 +257,11 @@ def test_a_film_is_numbered_pictures_of_every_graph(session, tmp_path, monkeypat
     assert restirpg.read_exr_attributes(folders[0] / "00002.exr")["restirpg.seed"] == "0"
     np.testing.assert_array_equal(restirpg.read_exr(folders[1] / "00002.exr"), images(session)[1])
     with Image.open(next(tmp_path.glob("film*/1_*/00003.png"))) as picture:
-        assert picture.size == SIZE and json.loads(picture.text["restirpg.graph"])["passes"] and picture.text["restirpg.seed"] == "0"
+        assert (
+            picture.size == SIZE
+            and json.loads(picture.text["restirpg.graph"])["passes"]
+            and picture.text["restirpg.seed"] == "0"
+        )
 
 
 def test_captures(session, tmp_path):

@@ -41,8 +41,7 @@ class Triangles:
         for t, (corner, normal) in enumerate(zip(self.corners, self.normals)):
             offset = (points - corner[0]) @ normal
             sides = [
-                np.cross(corner[(i + 1) % 3] - corner[i], points - offset[:, None] * normal - corner[i])
-                @ normal
+                np.cross(corner[(i + 1) % 3] - corner[i], points - offset[:, None] * normal - corner[i]) @ normal
                 for i in range(3)
             ]
             away = np.where(np.min(sides, 0) > -1e-4, np.abs(offset), np.inf)
@@ -85,9 +84,7 @@ def load_triangles(file):
             continue
         assert "rotation" not in node and "matrix" not in node and "scale" not in node
         for primitive in gltf["meshes"][node["mesh"]]["primitives"]:
-            points = array(primitive["attributes"]["POSITION"]).astype(float) + node.get(
-                "translation", (0, 0, 0)
-            )
+            points = array(primitive["attributes"]["POSITION"]).astype(float) + node.get("translation", (0, 0, 0))
             mine = points[array(primitive["indices"]).reshape(-1, 3)]
             corners.append(mine)
             emission = gltf["materials"][primitive["material"]].get("emissiveFactor", (0, 0, 0))

@@ -64,9 +64,7 @@ class Browser:
 
     def _ask(self, path, body=None, method="POST"):
         data = None if body is None else json.dumps(body).encode()
-        request = urllib.request.Request(
-            self._url + path, data, {"Content-Type": "application/json"}, method=method
-        )
+        request = urllib.request.Request(self._url + path, data, {"Content-Type": "application/json"}, method=method)
         opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
         with opener.open(request, timeout=60) as answer:
             return json.load(answer)["value"]
@@ -84,8 +82,13 @@ class Browser:
 
     def resize(self, width, height):
         """Give the page that many CSS pixels, as a narrow device has them."""
-        self._ask("/goog/cdp/execute", {"cmd": "Emulation.setDeviceMetricsOverride", "params": {
-            "width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}})
+        self._ask(
+            "/goog/cdp/execute",
+            {
+                "cmd": "Emulation.setDeviceMetricsOverride",
+                "params": {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False},
+            },
+        )
 
     def run(self, script):
         """The value of a JavaScript function body."""
@@ -103,9 +106,7 @@ class Browser:
                 at = {"x": values[0], "y": values[1], "origin": element}
                 pointer.append({"type": "pointerMove", "duration": 20, **at})
             elif name == "wheel":
-                wheel.append(
-                    {"type": "scroll", "x": 0, "y": 0, "deltaX": 0, "deltaY": values[0], "origin": element}
-                )
+                wheel.append({"type": "scroll", "x": 0, "y": 0, "deltaX": 0, "deltaY": values[0], "origin": element})
             else:
                 pointer.append({"type": "pointerDown" if name == "down" else "pointerUp", "button": 0})
         sources = [{"type": "pointer", "id": "mouse", "actions": pointer}] if pointer else []
@@ -114,11 +115,7 @@ class Browser:
 
     def log(self):
         """Errors of scripts and of the network since the last call."""
-        return [
-            entry["message"]
-            for entry in self._ask("/se/log", {"type": "browser"})
-            if entry["level"] == "SEVERE"
-        ]
+        return [entry["message"] for entry in self._ask("/se/log", {"type": "browser"}) if entry["level"] == "SEVERE"]
 
     def screenshot(self, file):
         """Write a PNG of the window."""

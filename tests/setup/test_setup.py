@@ -11,8 +11,13 @@ ROOT = Path(__file__).resolve().parents[2]
 
 def shell(script, expect=0, **variables):
     """Run a script after sourcing scripts/setup.sh."""
-    result = subprocess.run(["bash", "-c", f". {ROOT}/scripts/setup.sh; {script}"], text=True, capture_output=True,
-                            env=os.environ | {k: str(v) for k, v in variables.items()}, timeout=60)
+    result = subprocess.run(
+        ["bash", "-c", f". {ROOT}/scripts/setup.sh; {script}"],
+        text=True,
+        capture_output=True,
+        env=os.environ | {k: str(v) for k, v in variables.items()},
+        timeout=60,
+    )
     assert result.returncode == expect, result.stderr
     return result
 
@@ -32,9 +37,12 @@ def test_one_line_entry_keeps_mirror_and_options(apt):
         "# deb http://commented.example/debian bookworm main\n"
         "deb cdrom:[Debian 12]/ bookworm main\n"
         "deb http://mirror.example/security bookworm-security main\n"
-        "deb [arch=amd64 signed-by=/usr/share/keyrings/a.gpg] http://mirror.example/debian bookworm main contrib\n")
-    assert backports(apt) == ("list\ndeb [arch=amd64 signed-by=/usr/share/keyrings/a.gpg] "
-                              "http://mirror.example/debian bookworm-backports main\n")
+        "deb [arch=amd64 signed-by=/usr/share/keyrings/a.gpg] http://mirror.example/debian bookworm main contrib\n"
+    )
+    assert backports(apt) == (
+        "list\ndeb [arch=amd64 signed-by=/usr/share/keyrings/a.gpg] "
+        "http://mirror.example/debian bookworm-backports main\n"
+    )
 
 
 def test_deb822_entry_keeps_mirror_and_keyring(apt):
@@ -42,45 +50,58 @@ def test_deb822_entry_keeps_mirror_and_keyring(apt):
         "Types: deb\nURIs: http://mirror.example/security\nSuites: bookworm-security\nComponents: main\n"
         "\n"
         "Types: deb deb-src\n# http://commented.example/\nURIs: http://mirror.example/debian\n"
-        "Suites: bookworm bookworm-updates\nComponents: main contrib\nSigned-By: /usr/share/keyrings/a.gpg\n")
+        "Suites: bookworm bookworm-updates\nComponents: main contrib\nSigned-By: /usr/share/keyrings/a.gpg\n"
+    )
     assert backports(apt) == (
         "sources\nTypes: deb\nURIs: http://mirror.example/debian\nSuites: bookworm-backports\n"
-        "Components: main\nSigned-By: /usr/share/keyrings/a.gpg\n")
+        "Components: main\nSigned-By: /usr/share/keyrings/a.gpg\n"
+    )
 
 
 def test_deb822_files_are_not_run_together(apt):
     (apt / "sources.list.d/a.sources").write_text(
-        "Types: deb\nURIs: http://other.example/\nSuites: nodistro\nComponents: main\nSigned-By: /b.gpg\n")
+        "Types: deb\nURIs: http://other.example/\nSuites: nodistro\nComponents: main\nSigned-By: /b.gpg\n"
+    )
     (apt / "sources.list.d/debian.sources").write_text(
-        "Types: deb\nURIs: http://mirror.example/debian\nSuites: bookworm\nComponents: main\n")
-    assert backports(apt) == ("sources\nTypes: deb\nURIs: http://mirror.example/debian\n"
-                              "Suites: bookworm-backports\nComponents: main\n")
+        "Types: deb\nURIs: http://mirror.example/debian\nSuites: bookworm\nComponents: main\n"
+    )
+    assert backports(apt) == (
+        "sources\nTypes: deb\nURIs: http://mirror.example/debian\nSuites: bookworm-backports\nComponents: main\n"
+    )
 
 
 def test_deb822_entry_keeps_an_embedded_key(apt):
     key = "Signed-By:\n -----BEGIN PGP PUBLIC KEY BLOCK-----\n .\n abc\n -----END PGP PUBLIC KEY BLOCK-----\n"
     (apt / "sources.list.d/debian.sources").write_text(
-        f"Types: deb\nURIs: http://mirror.example/debian\nSuites: bookworm\nComponents: main\n{key}")
+        f"Types: deb\nURIs: http://mirror.example/debian\nSuites: bookworm\nComponents: main\n{key}"
+    )
     assert backports(apt).endswith(f"Suites: bookworm-backports\nComponents: main\n{key}")
 
 
 def test_entries_that_are_off_or_of_another_suite_are_passed_over(apt):
     (apt / "sources.list.d/a.sources").write_text(
-        "Enabled: no\nTypes: deb\nURIs: http://off.example/debian\nSuites: bookworm\nComponents: main\n")
+        "Enabled: no\nTypes: deb\nURIs: http://off.example/debian\nSuites: bookworm\nComponents: main\n"
+    )
     (apt / "sources.list.d/b.sources").write_text(
-        "Types: deb-src\nURIs: http://source.example/debian\nSuites: bookworm\nComponents: main\n")
+        "Types: deb-src\nURIs: http://source.example/debian\nSuites: bookworm\nComponents: main\n"
+    )
     (apt / "sources.list").write_text("deb http://mirror.example/debian trixie main\n")
     assert backports(apt) == ""
 
 
 def test_no_apt_entry_is_one_clear_line(apt):
     result = shell("add_backports bookworm", expect=2, RESTIRPG_APT_FOLDER=apt)
-    assert result.stderr == ("setup: no apt entry of suite bookworm to take a mirror from; "
-                             "add the suite bookworm-backports and start again\n")
+    assert result.stderr == (
+        "setup: no apt entry of suite bookworm to take a mirror from; "
+        "add the suite bookworm-backports and start again\n"
+    )
 
 
 def test_missing_packages_are_named_among_installed_ones():
-    assert shell("printf 'dpkg\\nrestirpg-no-such-package\\nbash\\n' | not_installed").stdout == "restirpg-no-such-package\n"
+    assert (
+        shell("printf 'dpkg\\nrestirpg-no-such-package\\nbash\\n' | not_installed").stdout
+        == "restirpg-no-such-package\n"
+    )
 
 
 def test_the_browser_is_for_the_tests_only():
@@ -94,7 +115,8 @@ def test_other_systems_get_the_list_of_what_is_missing(tmp_path):
     (tmp_path / "scripts").mkdir()
     (tmp_path / "scripts/packages.txt").write_text(
         "bash command bash\nnosuch command restirpg-no-such-command\nnoheader header restirpg/none.h\n"
-        "nomodule module restirpg_no_such_module\n")
+        "nomodule module restirpg_no_such_module\n"
+    )
     result = shell(f"root={tmp_path}; check_elsewhere build", expect=2)
     assert result.stderr.endswith("then start again: nosuch noheader nomodule\n")
     assert len(result.stderr.splitlines()) == 1
@@ -113,8 +135,13 @@ def test_help_installs_and_builds_nothing(script, tmp_path):
     """With nothing on PATH that could."""
     for name in ("sed", "dirname", "bash"):
         (tmp_path / name).symlink_to(f"/usr/bin/{name}")
-    done = subprocess.run(["/bin/bash", ROOT / "scripts" / script, "--help"], text=True, capture_output=True, env={"PATH": str(tmp_path)},
-                          check=False)
+    done = subprocess.run(
+        ["/bin/bash", ROOT / "scripts" / script, "--help"],
+        text=True,
+        capture_output=True,
+        env={"PATH": str(tmp_path)},
+        check=False,
+    )
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith("Set up this machine, build")
     assert "#" not in done.stdout.replace("#!", "") and "shellcheck" not in done.stdout
@@ -126,17 +153,23 @@ def test_a_clone_that_was_copied_or_moved_is_configured_again(tmp_path):
     (clone / "scripts/setup.sh").write_text((ROOT / "scripts/setup.sh").read_text())
     stubs = tmp_path / "stubs"
     stubs.mkdir()
-    (stubs / "cmake").write_text('#!/bin/bash\nmkdir -p "$5"; touch "$5/build.ninja"\n'
-                                 'printf "CMAKE_HOME_DIRECTORY:INTERNAL=%s\\nCMAKE_CACHEFILE_DIR:INTERNAL=%s\\n" "$3" "$5" > "$5/CMakeCache.txt"\n'
-                                 'echo configured\n')
-    (stubs / "ninja").write_text('#!/bin/bash\necho built\n')
+    (stubs / "cmake").write_text(
+        '#!/bin/bash\nmkdir -p "$5"; touch "$5/build.ninja"\n'
+        'printf "CMAKE_HOME_DIRECTORY:INTERNAL=%s\\nCMAKE_CACHEFILE_DIR:INTERNAL=%s\\n" "$3" "$5" > "$5/CMakeCache.txt"\n'
+        "echo configured\n"
+    )
+    (stubs / "ninja").write_text("#!/bin/bash\necho built\n")
     for stub in stubs.iterdir():
         stub.chmod(0o755)
 
     def built(folder):
-        done = subprocess.run(["bash", "-c", f". {folder}/scripts/setup.sh; build renderer"], text=True, capture_output=True,
-                              env=os.environ | {"PATH": f"{stubs}:{os.environ['PATH']}", "MESA_SHADER_CACHE_DIR": str(tmp_path / "mesa")},
-                              check=True)
+        done = subprocess.run(
+            ["bash", "-c", f". {folder}/scripts/setup.sh; build renderer"],
+            text=True,
+            capture_output=True,
+            env=os.environ | {"PATH": f"{stubs}:{os.environ['PATH']}", "MESA_SHADER_CACHE_DIR": str(tmp_path / "mesa")},
+            check=True,
+        )
         return done.stderr.split()
 
     assert built(clone) == ["configured", "built"]

@@ -25,9 +25,7 @@ class MethodFindings:
     flip: np.ndarray | None  # of the last frame alone, by seed; None: of tiles, or flip_evaluator is not installed
     single: np.ndarray  # MAPE of settled single frames by seed, of all measured ones by tile; NaN where none is known
     equal_frame: dict  # metric -> (mean, standard error) after the last frame
-    equal_time: (
-        dict  # metric -> (mean, standard error) at SceneFindings.common_ms; NaN: the first frame takes longer
-    )
+    equal_time: dict  # metric -> (mean, standard error) at SceneFindings.common_ms; NaN: the first frame takes longer
     bias: st.Test  # relative to the reference's mean
     block_p: np.ndarray  # p-value of each 8x8 block's bias
     spatial_image: tuple  # block correlation of the final picture: ratio, standard error
@@ -78,7 +76,10 @@ def flip(pictures, truth):
         return None
     import flip_evaluator
 
-    clean = [np.maximum(np.nan_to_num(image, nan=0, posinf=0, neginf=0), 0).astype(np.float32) for image in (truth, *pictures)]
+    clean = [
+        np.maximum(np.nan_to_num(image, nan=0, posinf=0, neginf=0), 0).astype(np.float32)
+        for image in (truth, *pictures)
+    ]
     return np.array([flip_evaluator.evaluate(clean[0], image, "HDR", applyMagma=False)[1] for image in clean[1:]])
 
 
@@ -135,14 +136,10 @@ def _scene(runs):
     common = min(float(curve[:, -1].min()) for curve in times.values())
     if runs.at:
         common = float("nan")  # at one time, methods of different speed would show different things
-    methods = [
-        _method(label, seeds, runs.reference, noise, subtracted, common) for label, seeds in runs.runs.items()
-    ]
+    methods = [_method(label, seeds, runs.reference, noise, subtracted, common) for label, seeds in runs.runs.items()]
     for method in methods[1:]:
         method.against = {
-            (metric, mode): st.paired(
-                _values(method, metric, mode, common), _values(methods[0], metric, mode, common)
-            )
+            (metric, mode): st.paired(_values(method, metric, mode, common), _values(methods[0], metric, mode, common))
             for metric in METRICS
             for mode in ("frame", *(runs.at[:-1] if runs.at else ("time",)))
         }
@@ -192,10 +189,7 @@ def _values(method, metric, mode, common):
 
 
 def _method(label, runs, truth, noise, subtracted, common):
-    gather = {
-        name: np.array([run[name] for run in runs])
-        for name in ("mape", "relmse", "bias", "gpu_ms", "wall_ms")
-    }
+    gather = {name: np.array([run[name] for run in runs]) for name in ("mape", "relmse", "bias", "gpu_ms", "wall_ms")}
     curves = {"mape": gather["mape"], "relmse": gather["relmse"] - subtracted, "bias": gather["bias"]}
     curves["single"] = np.array([run["frame_mape"] for run in runs])
     single = np.array([single_frames(run) for run in runs])
@@ -206,9 +200,7 @@ def _method(label, runs, truth, noise, subtracted, common):
         single = curves["mape"].mean(axis=1)
         for name in ("gpu_ms", "wall_ms"):
             gather[name] = np.broadcast_to(gather[name].mean(axis=0), curves["mape"].shape)
-    pictures = np.array(
-        [np.nan_to_num(run["image"].astype(float), nan=0, posinf=0, neginf=0) for run in runs]
-    )
+    pictures = np.array([np.nan_to_num(run["image"].astype(float), nan=0, posinf=0, neginf=0) for run in runs])
     frames = np.nan_to_num(st.luminance(np.array([run["frame"] for run in runs])), nan=0, posinf=0, neginf=0)
     brightness = st.luminance(pictures)
     temporal = [st.temporal_correlation(run["temporal"], noise["luminance_variance"]) for run in runs]
@@ -226,16 +218,13 @@ def _method(label, runs, truth, noise, subtracted, common):
         equal_time={},
         bias=st.welch(pictures.mean(axis=(1, 2, 3)) / scale, truth["batch_means"] / scale),
         block_p=(
-            st.block_bias_p_values(st.block_means(brightness), truth["batch_blocks"])
-            if several
-            else np.array([])
+            st.block_bias_p_values(st.block_means(brightness), truth["batch_blocks"]) if several else np.array([])
         ),
         spatial_image=st.block_correlation(brightness),
         spatial_frame=st.block_correlation(frames),
         temporal=st.mean_se(temporal),
         passes={
-            name: float(np.mean([run["meta"]["passes"][name] for run in runs]))
-            for name in runs[0]["meta"]["passes"]
+            name: float(np.mean([run["meta"]["passes"][name] for run in runs])) for name in runs[0]["meta"]["passes"]
         },
         memory=runs[0]["meta"]["memory"],
         against={},

@@ -64,7 +64,8 @@ class Cache:
 
 
 def _npz(arrays):
-    """As np.savez, which leaves its archive to the collector when it is interrupted: that would be said on the terminal."""
+    """As np.savez, which leaves its archive to the collector when it is interrupted: that would be said on the
+    terminal."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         for name, array in arrays.items():

@@ -68,9 +68,7 @@ class Cluster:
         try:
             self._client = self._distributed.Client(address, timeout=SECONDS)
         except (OSError, ValueError) as error:
-            raise UserError(
-                f"{address}: no Dask scheduler answers ({error}); start one with dask-scheduler"
-            ) from None
+            raise UserError(f"{address}: no Dask scheduler answers ({error}); start one with dask-scheduler") from None
         try:
             self._client.wait_for_workers(1, SECONDS)
         except self._distributed.TimeoutError:

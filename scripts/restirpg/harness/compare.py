@@ -29,9 +29,7 @@ OUTPUTS = ("report.html", "tables.txt", "*.csv", "images/*.exr")  # below --out
 
 def parse(arguments):
     """The command line as a namespace."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("methods", nargs="*", metavar="GRAPH[@SETTING=VALUE,...]", help="a method; the first is the baseline")
     add(

@@ -102,9 +102,7 @@ class Comparison:
         self.plans = []
         self.display.start(len(settings.scenes) * len(self._all_methods()), "checked")
         for scene in settings.scenes:
-            facts = scenes.facts(
-                self._pool, scene, settings.camera, settings.environment, settings.allow_outside
-            )
+            facts = scenes.facts(self._pool, scene, settings.camera, settings.environment, settings.allow_outside)
             base = Job(
                 scene=scene,
                 scene_hash=facts.hash,
@@ -193,13 +191,13 @@ class Comparison:
         if settings.motion and settings.motion.fps and not facts.animation:
             warnings.append("the scene has no animation that --fps could play")
         if len(set(filters.values()) - {None}) > 1:
-            warnings.append(
-                "the methods differ in their pixel filter (knob jitter); the reference has the first one's"
-            )
+            warnings.append("the methods differ in their pixel filter (knob jitter); the reference has the first one's")
         knobs = {job.label: probes[job.label]["knobs"] for job in methods}
         raised = settings.equal_frame_time
         if raised and all(equal_time.start_of(own, raised) is None for own in knobs.values()):
-            raise UserError(f"no method has a whole number '{raised}' that --equal-frame-time could raise; write it PASS.KNOB")
+            raise UserError(
+                f"no method has a whole number '{raised}' that --equal-frame-time could raise; write it PASS.KNOB"
+            )
         return {
             "scene": jobs[0].scene,
             "methods": methods,
@@ -278,7 +276,9 @@ class Comparison:
                 continue
             start = equal_time.start_of(plan["knobs"][job.label], knob)
             if start is None:
-                plan["warnings"].append(f"{job.label}: it has no {knob} to raise: its frames stay cheaper than those of {other.label}")
+                plan["warnings"].append(
+                    f"{job.label}: it has no {knob} to raise: its frames stay cheaper than those of {other.label}"
+                )
                 continue
             call = equal_time.search_call(job, replace(other, seed=0), knob, start)
             for _, failure, _ in self._pool.run([call] if self.cache.load(call.key) is None else [], kind="call"):
@@ -293,8 +293,11 @@ class Comparison:
                 set_to = replace(job, label=label, knobs=(*job.knobs, (knob, value)))
                 plan["methods"].append(set_to)
                 plan["knobs"][label] = _with_knob(plan["knobs"][job.label], knob, value)
-                added += [replace(set_to, seed=each.seed, reference=each.reference, references=each.references)
-                          for each in jobs if each.label == job.label]
+                added += [
+                    replace(set_to, seed=each.seed, reference=each.reference, references=each.references)
+                    for each in jobs
+                    if each.label == job.label
+                ]
         return brackets, added
 
     def _references(self, plan):
@@ -324,7 +327,8 @@ class Comparison:
         for job, failure, _ in self._pool.run(
             missing,
             on_tick=lambda job, frames: self.display.advance(
-                frames * cost(job) / job.frames, f"{job.label} on {job.scene}" + ("" if frames else ": compiling kernels")
+                frames * cost(job) / job.frames,
+                f"{job.label} on {job.scene}" + ("" if frames else ": compiling kernels"),
             ),
         ):
             if failure:
@@ -354,13 +358,9 @@ class Comparison:
             self.failures.append(f"{plan['scene']}: left out: no run of '{baseline}', the baseline, was finished")
             finished = {}
         seeds = [
-            seed
-            for seed in dict.fromkeys(job.seed for job in jobs)
-            if all(seed in runs for runs in finished.values())
+            seed for seed in dict.fromkeys(job.seed for job in jobs) if all(seed in runs for runs in finished.values())
         ]
-        runs = (
-            {label: [by_seed[seed] for seed in seeds] for label, by_seed in finished.items()} if seeds else {}
-        )
+        runs = {label: [by_seed[seed] for seed in seeds] for label, by_seed in finished.items()} if seeds else {}
         descriptions = {
             job.label: with_knobs(json.loads(without_places(job.description)), plan["knobs"][job.label])
             for job in plan["methods"]
@@ -390,7 +390,9 @@ class Comparison:
             fate = "of its batches count as black" if truth["meta"]["batches"] else "are left out of errors"
             warnings.append(f"reference: {invalid} NaN or infinite pixels {fate}")
         if dropped := truth["meta"].get("dropped"):
-            warnings.append(f"reference: {dropped} samples were NaN, infinite or beyond 1e30 and left out: it is wrong where they were")
+            warnings.append(
+                f"reference: {dropped} samples were NaN, infinite or beyond 1e30 and left out: it is wrong where they were"
+            )
         return SceneRuns(
             plan["scene"],
             truth,
@@ -445,8 +447,5 @@ def _with_knob(knobs, path, value):
 
 def with_knobs(description, knobs):
     """The description with every knob's actual value, defaults too."""
-    passes = [
-        {**entry, "knobs": knobs.get(entry["name"], entry.get("knobs", {}))}
-        for entry in description["passes"]
-    ]
+    passes = [{**entry, "knobs": knobs.get(entry["name"], entry.get("knobs", {}))} for entry in description["passes"]]
     return {**description, "passes": passes}

@@ -1,4 +1,5 @@
-"""Errors after denoising: what Open Image Denoise leaves of a method's pictures. They stay apart from the pictures' own errors.
+"""Errors after denoising: what Open Image Denoise leaves of a method's pictures. They stay apart from the pictures' own
+errors.
 
 `features` runs in workers.
 """

@@ -1,4 +1,5 @@
-"""Methods compared at equal frame time: a knob of each cheaper one is raised until its frame costs what the dearest one's does.
+"""Methods compared at equal frame time: a knob of each cheaper one is raised until its frame costs what the dearest
+one's does.
 
 What a user sees of a real-time method is a single frame, so that cheaper frames are no use unless they can be made
 better for the difference. A whole number hardly ever hits the time: both neighbouring settings are run, and
@@ -13,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 
 import restirpg
-from restirpg.harness import UserError
 from restirpg.harness import statistics as st
 from restirpg.harness.jobs import Call, without_places
 
@@ -23,8 +23,8 @@ ROUNDS = 6  # frames of each that are timed, taking turns
 
 @dataclass(frozen=True)
 class Bracket:
-    """Two neighbouring settings of a method between which its frame costs as much as the dearest method's, or the last two
-    of the knob's range, with which it is still cheaper.
+    """Two neighbouring settings of a method between which its frame costs as much as the dearest method's, or the last
+    two of the knob's range, with which it is still cheaper.
     """
 
     knob: str
@@ -70,7 +70,16 @@ def search_call(cheaper, other, knob, start):
 
 
 def _plain(job):
-    return (without_places(job.description), job.size, job.seed, job.bounces, job.knobs, job.device, job.backend, job.energy_compensation)
+    return (
+        without_places(job.description),
+        job.size,
+        job.seed,
+        job.bounces,
+        job.knobs,
+        job.device,
+        job.backend,
+        job.energy_compensation,
+    )
 
 
 def _renderer(scene, description, size, seed, bounces, knobs, device, backend, energy_compensation):
@@ -93,8 +102,9 @@ def _largest(description, path):
 
 
 def search(scene, cheaper, other, knob, start):
-    """The least whole number `high` of the knob, from `start` on, with which a frame of `cheaper` takes at least the time
-    of one of `other`, or else the largest of its range, in `meta`, and the `ratios` of their times at `high` - 1 and there.
+    """The least whole number `high` of the knob, from `start` on, with which a frame of `cheaper` takes at least the
+    time of one of `other`, or else the largest of its range, in `meta`, and the `ratios` of their times at `high` - 1
+    and there.
     """
     largest = _largest(json.loads(cheaper[0]), knob)
     other, own = _renderer(scene, *other), _renderer(scene, *cheaper)
@@ -158,7 +168,11 @@ class Equal:
 def bracket_of(answer, label, knob):
     """The Bracket that search() found, or None where the method's own setting takes as long already."""
     low, ratios = answer["meta"]["high"] - 1, tuple(map(float, answer["ratios"]))
-    return Bracket(knob, low, ratios, tuple(label_at(label, knob, value) for value in (low, low + 1))) if ratios[0] < 1 else None
+    return (
+        Bracket(knob, low, ratios, tuple(label_at(label, knob, value) for value in (low, low + 1)))
+        if ratios[0] < 1
+        else None
+    )
 
 
 def compare(brackets, methods):
@@ -183,4 +197,3 @@ def compare(brackets, methods):
         )
         for (label, own), p in zip(values.items(), corrected)
     ]
-

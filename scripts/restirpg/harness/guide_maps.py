@@ -64,9 +64,7 @@ class Learner:
     by light, BSDF and cosine. strict: see find_points.
     """
 
-    def __init__(
-        self, scene, description, pixels, size, bounces=None, cell_size=None, raw=False, strict=True
-    ):
+    def __init__(self, scene, description, pixels, size, bounces=None, cell_size=None, raw=False, strict=True):
         self._pixels, self._size, self._raw, self._strict = pixels, size, raw, strict
         self._names = names = GuidedGraph(description)
         self._port = (names.paths, "samples") if raw else (names.reuse, "vertices")
@@ -158,9 +156,7 @@ def products_at(points, scene, bounces):
     g = restirpg.Graph("What a point sees")
     gbuffer = g.add("gbuffer", "GBuffer", jitter=True)
     paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, direct=True)
-    image = g.add(
-        "accumulate", "Accumulate", indirect=paths.radiance, history=restirpg.prev("accumulate.sums")
-    )
+    image = g.add("accumulate", "Accumulate", indirect=paths.radiance, history=restirpg.prev("accumulate.sums"))
     g.output("image", image.mean)
     renderer = restirpg.Renderer(scene, g, size=(FACE, FACE), seed=2)
     renderer.set_everywhere("bounces", bounces - 1)

@@ -211,6 +211,4 @@ def alpha_of(cell):
 
 def mixture_of(cell):
     lobes = cell["lobes"]
-    return Mixture(
-        unpack_direction(lobes["direction"]), lobes["kappa"].astype(float), lobes["weight"].astype(float)
-    )
+    return Mixture(unpack_direction(lobes["direction"]), lobes["kappa"].astype(float), lobes["weight"].astype(float))

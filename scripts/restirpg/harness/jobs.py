@@ -8,12 +8,23 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from restirpg.harness import UserError
 from restirpg.harness.motion import Motion
 
 EVERY_FRAME_UP_TO = 256  # longer runs are measured at a geometric sequence of frames ...
 LAST_FRAMES = 32  # ... and at this many last ones, one after the other, for the temporal statistics
-LATER_FIELDS = ("motion", "still", "at", "references", "energy_compensation", "tiles", "tile", "windows")  # of a Job; see Job.key
+LATER_FIELDS = (
+    "motion",
+    "still",
+    "at",
+    "references",
+    "energy_compensation",
+    "tiles",
+    "tile",
+    "windows",
+)  # of a Job; see Job.key
 
 
 @dataclass(frozen=True)
@@ -37,16 +48,12 @@ def parse_method(text):
     for setting in filter(None, settings.split(",")):
         name, equals, value = setting.partition("=")
         if not equals or not name:
-            raise UserError(
-                f"{text}: '{setting}' is not NAME=VALUE, as in {graph}@paths.bounces=4,label=short"
-            )
+            raise UserError(f"{text}: '{setting}' is not NAME=VALUE, as in {graph}@paths.bounces=4,label=short")
         if name in ("label", "output", "device", "backend"):
             special[name] = value
         else:
             knobs.append((name, knob_value(value)))
-    default = " ".join(
-        [Path(graph).stem, *(part for part in settings.split(",") if not part.startswith("label="))]
-    )
+    default = " ".join([Path(graph).stem, *(part for part in settings.split(",") if not part.startswith("label="))])
     method = Method(**{"label": default.strip(), **special}, graph=graph, knobs=tuple(knobs))
     if not (method.label.isprintable() and 0 < len(method.label) <= 100):
         raise UserError(f"{text}: a method is called by 1 to 100 printable characters; give it another @label=NAME")

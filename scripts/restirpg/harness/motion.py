@@ -33,6 +33,7 @@ class Motion:
             right = np.cross(forward, home["up"])
             up = np.cross(right, forward)
             angle = 2 * np.pi * step / TURN
-            offset = self.circle * (np.sin(angle) * right / np.linalg.norm(right)
-                                    + (1 - np.cos(angle)) * up / np.linalg.norm(up))
+            offset = self.circle * (
+                np.sin(angle) * right / np.linalg.norm(right) + (1 - np.cos(angle)) * up / np.linalg.norm(up)
+            )
             renderer.move_camera(position=home["position"] + offset, target=home["target"] + offset)

@@ -133,9 +133,7 @@ def _stacked_bars(rows, unit, most=10):
             float,
         )
         if values.any():
-            axes.barh(
-                range(len(rows)), values, left=left, label=name, color=colours[number % 20], height=0.65
-            )
+            axes.barh(range(len(rows)), values, left=left, label=name, color=colours[number % 20], height=0.65)
         left += values
     for row, total in enumerate(left):
         axes.text(total, row, f" {total:.4g}", va="center")
@@ -155,10 +153,7 @@ def pass_costs(scene):
 def memory(scene):
     """MiB of the scene and of each resource, stacked."""
     return _stacked_bars(
-        {
-            method.label: {name: size / 2**20 for name, size in method.memory.items()}
-            for method in scene.methods
-        },
+        {method.label: {name: size / 2**20 for name, size in method.memory.items()} for method in scene.methods},
         "MiB",
     )
 
@@ -182,10 +177,4 @@ def bars(scene):
 
 def colour_map(name, entries=128):
     """A matplotlib colour map as a flat list of bytes, for the viewer."""
-    return (
-        (matplotlib.colormaps[name](np.linspace(0, 1, entries))[:, :3] * 255)
-        .round()
-        .astype(int)
-        .ravel()
-        .tolist()
-    )
+    return (matplotlib.colormaps[name](np.linspace(0, 1, entries))[:, :3] * 255).round().astype(int).ravel().tolist()

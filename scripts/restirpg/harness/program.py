@@ -31,7 +31,9 @@ def whole(least):
 
     def number(text):
         if not (text.isascii() and text.isdigit() and len(text) < 8 and least <= int(text) <= LARGEST):
-            raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least {least} and at most {LARGEST}")
+            raise argparse.ArgumentTypeError(
+                f"'{text}' is not a whole number of at least {least} and at most {LARGEST}"
+            )
         return int(text)
 
     return number

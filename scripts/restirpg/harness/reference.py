@@ -57,8 +57,7 @@ def from_exr(cache, file, size, corners=(), side=0):
     image = render.read_exr(file)
     if image.shape[:2] != (size[1], size[0]):
         raise UserError(
-            f"{file}: the reference is {image.shape[1]}x{image.shape[0]}; "
-            f"give that as --size, not {size[0]}x{size[1]}"
+            f"{file}: the reference is {image.shape[1]}x{image.shape[0]}; give that as --size, not {size[0]}x{size[1]}"
         )
     if corners:
         image = tiles.stack(image, corners, side)

@@ -21,7 +21,7 @@ ROOT = PACKAGE.parents[1]
 def find_package():
     """Raise UserError unless the renderer, the package's binding module, is there."""
     try:
-        restirpg.Renderer
+        restirpg.Renderer  # noqa: B018  (asks for the binding module)
     except AttributeError as error:
         raise UserError(str(error)) from None
 
@@ -156,9 +156,7 @@ def make_renderer(job):
         elif renderer.set_everywhere(name, value) == 0:
             raise UserError(f"{job.graph}: no pass has a knob '{name}'")
     if job.output not in renderer.output_names:
-        raise UserError(
-            f"{job.graph}: no output '{job.output}'; there are: {', '.join(renderer.output_names)}"
-        )
+        raise UserError(f"{job.graph}: no output '{job.output}'; there are: {', '.join(renderer.output_names)}")
     return renderer
 
 

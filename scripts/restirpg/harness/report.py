@@ -24,7 +24,12 @@ from matplotlib import pyplot  # isort: skip  (plots has chosen the backend)
 FOLDER = Path(__file__).resolve().parent
 # Bytes of half floats in one report; single frames and means of seeds are left out first.
 PICTURE_BUDGET = 96 << 20
-KINDS = {"image": "picture (first seed)", "mean": "mean of all seeds", "frame": "last frame alone", "denoised": "last frame, denoised"}
+KINDS = {
+    "image": "picture (first seed)",
+    "mean": "mean of all seeds",
+    "frame": "last frame alone",
+    "denoised": "last frame, denoised",
+}
 
 
 def _half(image):
@@ -49,16 +54,12 @@ def _viewer_data(scene, kinds):
     truth = scene.reference["mean"].astype(float)
     y = st.luminance(truth)
     error = np.array(
-        [
-            np.abs(method.images["image"] - truth) / (0.01 * y.mean() + y)[..., None]
-            for method in scene.methods
-        ]
+        [np.abs(method.images["image"] - truth) / (0.01 * y.mean() + y)[..., None] for method in scene.methods]
     )
     exposure = -float(np.log2(max(np.percentile(y, 90), 1e-6))) - 1
     pictures = [{"label": "reference", "image": _half(truth)}]
     pictures += [
-        {"label": method.label, **{kind: _half(method.images[kind]) for kind in kinds}}
-        for method in scene.methods
+        {"label": method.label, **{kind: _half(method.images[kind]) for kind in kinds}} for method in scene.methods
     ]
     return {
         "width": truth.shape[1],
@@ -78,12 +79,8 @@ def graph_lines(description):
         for name, source in sorted(entry.get("inputs", {}).items()):
             wired = f"{source['pass']}.{source['output']}" if source else "nothing"
             lines.append(f"    {name} <- {f'prev({wired})' if source and source.get('delayed') else wired}")
-        lines += [
-            f"    {name} = {json.dumps(value)}" for name, value in sorted(entry.get("knobs", {}).items())
-        ]
-    return lines + [
-        f"output {entry['name']} <- {entry['pass']}.{entry['output']}" for entry in description["outputs"]
-    ]
+        lines += [f"    {name} = {json.dumps(value)}" for name, value in sorted(entry.get("knobs", {}).items())]
+    return lines + [f"output {entry['name']} <- {entry['pass']}.{entry['output']}" for entry in description["outputs"]]
 
 
 def side_by_side(left, right):
@@ -163,12 +160,10 @@ def commit():
 
 def provenance(program, code, devices):
     """[(name, value)] of what every report tells: how, when and from what it was made. `devices`: as probed."""
-    names = sorted(
-        {", ".join(str(device[key]) for key in ("name", "driver", "backend")) for device in devices}
-    )
+    names = sorted({", ".join(str(device[key]) for key in ("name", "driver", "backend")) for device in devices})
     return [
         ("command", shlex.join([program, *sys.argv[1:]])),
-        ("written", datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC")),
+        ("written", datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC")),
         ("commit", commit()),
         ("code hash", code),
         ("device", "; ".join(names)),
@@ -181,7 +176,9 @@ def _motion(settings):
     if settings.at:
         rows.append(("single frames measured", ", ".join(map(str, settings.at))))
     if motion:
-        rows.append(("motion", f"animation at {motion.fps:g} frames a second, camera on a circle of {motion.circle:g} m"))
+        rows.append(
+            ("motion", f"animation at {motion.fps:g} frames a second, camera on a circle of {motion.circle:g} m")
+        )
     return rows
 
 
@@ -211,9 +208,7 @@ def _provenance(settings, comparison):
         )
         for method in settings.methods
     ]
-    return rows + [
-        (f"scene {plan['scene']}", f"content {plan['methods'][0].scene_hash}") for plan in comparison.plans
-    ]
+    return rows + [(f"scene {plan['scene']}", f"content {plan['methods'][0].scene_hash}") for plan in comparison.plans]
 
 
 def template(name):
@@ -279,8 +274,8 @@ def write(findings, settings, comparison, file):
 
 
 def write_pictures(findings, folder):
-    """Write SCENE.METHOD.exr, references too: the first seed's picture; as layers the seeds' mean, the last frame alone,
-    and that frame denoised where it was.
+    """Write SCENE.METHOD.exr, references too: the first seed's picture; as layers the seeds' mean, the last frame
+    alone, and that frame denoised where it was.
 
     Of tiles these are stacks; SCENE.METHOD.whole.exr is the first seed's last frame.
     """

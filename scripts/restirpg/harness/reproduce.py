@@ -19,14 +19,14 @@ from restirpg import commands
 from restirpg.harness import UserError, files, program, render
 from restirpg.harness.paper import experiments, page, paper
 
-OUTPUTS = [f"{folder}*.{kind}" for folder in ("", "*/", "*/*/") for kind in ("html", "png", "csv", "exr")]  # below --out
+OUTPUTS = [
+    f"{folder}*.{kind}" for folder in ("", "*/", "*/*/") for kind in ("html", "png", "csv", "exr")
+]  # below --out
 
 
 def parse(arguments):
     """The command line as a namespace."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("what", nargs="*", metavar="WHAT", help="see above; --list explains each")
     add("--list", action="store_true", help="say what each shows, how many runs it needs, and about how long it takes")
@@ -34,9 +34,7 @@ def parse(arguments):
     program.add_allow_outside(parser)
     sizes = parser.add_mutually_exclusive_group()
     for size in (paper.QUICK, paper.FULL):
-        sizes.add_argument(
-            f"--{size.name}", dest="preset", action="store_const", const=size, help=describe(size)
-        )
+        sizes.add_argument(f"--{size.name}", dest="preset", action="store_const", const=size, help=describe(size))
     parser.set_defaults(preset=paper.DEFAULT)
     add(
         "--size",
@@ -56,9 +54,7 @@ def parse(arguments):
 
 def describe(size):
     """A preset in a line."""
-    return (
-        f"{size.size[0]}x{size.size[1]}, {len(size.scenes)} scenes, {size.seeds} seeds, {size.frames} frames"
-    )
+    return f"{size.size[0]}x{size.size[1]}, {len(size.scenes)} scenes, {size.seeds} seeds, {size.frames} frames"
 
 
 def chosen(words):
@@ -79,9 +75,7 @@ def chosen(words):
         else:
             raise UserError(f"there is no '{name}'; there are: {', '.join(experiments.BY_NAME)}, all")
     if not names:
-        raise UserError(
-            "say what to reproduce, as in scripts/reproduce.py figure 5 --quick; --list says what there is"
-        )
+        raise UserError("say what to reproduce, as in scripts/reproduce.py figure 5 --quick; --list says what there is")
     return [experiment for experiment in experiments.EXPERIMENTS if experiment.name in names]
 
 
@@ -95,9 +89,7 @@ def size_from(options):
 def print_list(evaluation):
     """What there is."""
     print(f"{'':10} {'jobs':>5} {'minutes':>7}   at {describe(evaluation.size)}")
-    for name, several in [(one.name, [one]) for one in experiments.EXPERIMENTS] + [
-        ("all", experiments.EXPERIMENTS)
-    ]:
+    for name, several in [(one.name, [one]) for one in experiments.EXPERIMENTS] + [("all", experiments.EXPERIMENTS)]:
         jobs, minutes = experiments.jobs_and_minutes(evaluation, several)
         shows = several[0].shows if len(several) == 1 else "all of these; what figures share is run once"
         print(f"{name:10} {jobs:5} {minutes:7.0f}   {shows}")
@@ -105,9 +97,7 @@ def print_list(evaluation):
 
 def evaluation_of(options, cache, pool, display):
     """The Paper that the command line asks for."""
-    return paper.Paper(
-        size_from(options), options.out, cache, pool, display, options.scenes, options.allow_outside
-    )
+    return paper.Paper(size_from(options), options.out, cache, pool, display, options.scenes, options.allow_outside)
 
 
 def reproduce(options, cache, pool, display):

@@ -30,16 +30,29 @@ from restirpg.harness import files, program, render
 
 def parse(arguments):
     """The command line as a namespace."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scene", type=Path, required=True, help=".glb or .gltf")
     program.add_allow_outside(parser)
-    parser.add_argument("--pixel", type=int, nargs=2, metavar=("X", "Y"), action="append", required=True, help="a pixel; may be repeated")
-    parser.add_argument("--graph", type=Path, default=Path(restirpg.GRAPHS) / "restir_pg.py", help="a graph with a guide")
+    parser.add_argument(
+        "--pixel",
+        type=int,
+        nargs=2,
+        metavar=("X", "Y"),
+        action="append",
+        required=True,
+        help="a pixel; may be repeated",
+    )
+    parser.add_argument(
+        "--graph", type=Path, default=Path(restirpg.GRAPHS) / "restir_pg.py", help="a graph with a guide"
+    )
     parser.add_argument("--frames", type=program.positive, default=64, help="frames to learn from (%(default)s)")
     parser.add_argument("--size", type=program.size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
-    parser.add_argument("--cell-size", type=program.length, default=0.05, help="of the guide's cells, as a share of the picture's height (%(default)s)")
+    parser.add_argument(
+        "--cell-size",
+        type=program.length,
+        default=0.05,
+        help="of the guide's cells, as a share of the picture's height (%(default)s)",
+    )
     parser.add_argument("--raw", action="store_true", help="learn from raw path trees")
     parser.add_argument("--markdown", type=Path, metavar="FILE", help="write the table to this file")
     parser.add_argument("-o", type=Path, default=Path("out/guide.png"), metavar="PNG", help="the maps (%(default)s)")
@@ -66,9 +79,7 @@ def see(arguments):
         for frames, count, effective, histogram in guide_maps.histograms(mine, point):
             row = (frames, count, effective, *guide_maps.score(histogram, effective, product, random))
             lines.append("| {} {} | {} | {} | {:.0f} | {:.3f} | {:.3f} | {:.1f} |".format(*pixel, *row))
-        directions = point.histogram(
-            np.concatenate([d for d, _ in mine]), np.concatenate([w for _, w in mine])
-        )
+        directions = point.histogram(np.concatenate([d for d, _ in mine]), np.concatenate([w for _, w in mine]))
         lobes = guide_maps.lobes_in(mixture, point) if mixture else None
         maps.append((f"pixel {pixel[0]} {pixel[1]}", (product, directions, lobes)))
     head = [

@@ -92,9 +92,7 @@ def _base_job(options, pool):
 
 def _run(base, options, *parts):
     """A run whose random numbers belong to it alone."""
-    return replace(
-        base, seed=seed_of(options.base_seed, "self-test", *parts), label=" ".join(map(str, parts[:2]))
-    )
+    return replace(base, seed=seed_of(options.base_seed, "self-test", *parts), label=" ".join(map(str, parts[:2])))
 
 
 def _render(comparison, jobs):
@@ -128,9 +126,7 @@ def _frames_needed(spread, truth):
     batches = truth["batch_means"]
     frames = FRAMES
     while frames < MOST_FRAMES:
-        se = np.hypot(
-            spread * np.sqrt(FRAMES / frames / GAIN_SEEDS), batches.std(ddof=1) / np.sqrt(len(batches))
-        )
+        se = np.hypot(spread * np.sqrt(FRAMES / frames / GAIN_SEEDS), batches.std(ddof=1) / np.sqrt(len(batches)))
         if st.Test(0, se / batches.mean(), GAIN_SEEDS - 1, 1).smallest_detectable() < 0.6 * (GAIN - 1):
             break
         frames *= 2
@@ -158,9 +154,7 @@ def _gain_trials(comparison, base, options, truth, key):
         )
         for trial in range(GAIN_TRIALS)
     ]
-    return sum(test.p < st.LEVEL for test in tests), float(
-        np.median([test.smallest_detectable() for test in tests])
-    )
+    return sum(test.p < st.LEVEL for test in tests), float(np.median([test.smallest_detectable() for test in tests]))
 
 
 def _print(options, truth, alarms, biases, found, frames, detectable):

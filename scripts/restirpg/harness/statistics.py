@@ -44,11 +44,7 @@ def mean_se(values, axis=0):
     """Mean and its standard error over independent runs; the error of a single run is NaN."""
     values = np.asarray(values, float)
     count = values.shape[axis]
-    se = (
-        values.std(axis=axis, ddof=1) / np.sqrt(count)
-        if count > 1
-        else np.full_like(values.mean(axis=axis), np.nan)
-    )
+    se = values.std(axis=axis, ddof=1) / np.sqrt(count) if count > 1 else np.full_like(values.mean(axis=axis), np.nan)
     return values.mean(axis=axis), se
 
 
@@ -147,9 +143,7 @@ def block_correlation(images, size=8):
     if count < 3:
         return float(ratio(images)), float("nan")
     left_out = np.array([ratio(np.delete(images, run, axis=0)) for run in range(count)])
-    return float(ratio(images)), float(
-        np.sqrt((count - 1) / count * np.sum((left_out - left_out.mean()) ** 2))
-    )
+    return float(ratio(images)), float(np.sqrt((count - 1) / count * np.sum((left_out - left_out.mean()) ** 2)))
 
 
 def temporal_correlation(sums, reference_variance):

@@ -101,10 +101,7 @@ def equal_tables(scene):
                     verdict(method, scene.methods[0], metric, mode),
                 ]
             if mode == "frame":
-                row += [
-                    with_error(*st.mean_se(times[:, -1] / frames))
-                    for times in (method.gpu_ms, method.wall_ms)
-                ]
+                row += [with_error(*st.mean_se(times[:, -1] / frames)) for times in (method.gpu_ms, method.wall_ms)]
             else:
                 frames_then = [st.at_time(times, method.frames, scene.common_ms) for times in method.gpu_ms]
                 row.append(f"{sum(frames_then) / len(frames_then):.3g}")
@@ -148,8 +145,10 @@ def _single_frame_tables(scene):
         header += [text for method in scene.methods[1:] for text in (method.label, "to the first")]
         tables.append((f"{TITLES[metric]} of single frames", header, rows))
     costs = [
-        [method.label, *(with_error(*st.mean_se(times[:, -1] / method.frames[-1])) for times in
-                         (method.gpu_ms, method.wall_ms))]
+        [
+            method.label,
+            *(with_error(*st.mean_se(times[:, -1] / method.frames[-1])) for times in (method.gpu_ms, method.wall_ms)),
+        ]
         for method in scene.methods
     ]
     if scene.unit == "tile":
@@ -167,10 +166,25 @@ def _tile_table(scene):
             row += ["baseline", "—", "—"]
         else:
             quotient, se = st.ratio(method.single, baseline.single)
-            row += [with_error(quotient - 1, se, 100, "%"), with_error(100 * against, math.nan, 1, "%"), verdict(method, baseline, "mape", "single")]
+            row += [
+                with_error(quotient - 1, se, 100, "%"),
+                with_error(100 * against, math.nan, 1, "%"),
+                verdict(method, baseline, "mape", "single"),
+            ]
         rows.append(row)
-    header = ["method", "MAPE ± by tiles", "± by the reference", "change from the first ± by tiles", "± by the reference", "tested"]
-    return f"Mean of {len(scene.at)} single frames, {scene.at[0]} to {scene.at[-1]}, in {scene.seeds} tiles", header, rows
+    header = [
+        "method",
+        "MAPE ± by tiles",
+        "± by the reference",
+        "change from the first ± by tiles",
+        "± by the reference",
+        "tested",
+    ]
+    return (
+        f"Mean of {len(scene.at)} single frames, {scene.at[0]} to {scene.at[-1]}, in {scene.seeds} tiles",
+        header,
+        rows,
+    )
 
 
 def _equal_frame_time_table(scene):
@@ -218,8 +232,11 @@ def verdict_sentence(scene):
     baseline, *others = scene.methods
     if not others:
         return ""
-    ways = {_test_of(scene, scene.at[-1]): f"in frame {scene.at[-1]}"} if scene.at else {
-        "single": "in single frames", "time": "at equal time"}
+    ways = (
+        {_test_of(scene, scene.at[-1]): f"in frame {scene.at[-1]}"}
+        if scene.at
+        else {"single": "in single frames", "time": "at equal time"}
+    )
     if scene.unit == "tile":
         ways = {"single": f"in single frames, {scene.at[0]} to {scene.at[-1]}"}
     found = {words: _compared_in_words(scene, mode) for mode, words in ways.items()}
@@ -227,7 +244,9 @@ def verdict_sentence(scene):
     if not any(found.values()):
         text = f"{who} told apart from {baseline.label}, {' or '.join(found)}"
     else:
-        text = "; ".join(f"{words}, {said or f'{who} told apart from {baseline.label}'}" for words, said in found.items())
+        text = "; ".join(
+            f"{words}, {said or f'{who} told apart from {baseline.label}'}" for words, said in found.items()
+        )
     return text[0].upper() + text[1:] + "."
 
 
@@ -378,8 +397,9 @@ def _write(path, header, rows):
 def write_csv(findings, folder):
     """Write runs.csv (every seed and measured frame) and summary.csv (every method) into `folder`.
 
-    Where single frames are measured, frames.csv too: every method and frame. Where they are measured in tiles, tiles.csv
-    too: every method, all frames together; `seed` counts tiles in runs.csv. Errors after denoising are in denoised.csv alone.
+    Where single frames are measured, frames.csv too: every method and frame. Where they are measured in tiles,
+    tiles.csv too: every method, all frames together; `seed` counts tiles in runs.csv. Errors after denoising are in
+    denoised.csv alone.
     """
     folder = Path(folder)
     if any(scene.at for scene in findings):
@@ -461,7 +481,8 @@ def _write_denoised(findings, file):
 
 
 def _write_equal_time(findings, file):
-    """Single frames' MAPE at equal frame time, with the knob's value and the ratios of frame times that it lies between."""
+    """Single frames' MAPE at equal frame time, with the knob's value and the ratios of frame times that it lies
+    between."""
     header = ["scene", "method", "setting", "ratio_below", "ratio_above", "mape", "mape_se", "change", "change_se", "p"]
     rows = []
     for scene in findings:
@@ -474,16 +495,44 @@ def _write_equal_time(findings, file):
 
 def _write_tiles(findings, file):
     """MAPE over all measured frames, and its change from the first method's, with both standard errors."""
-    header = ["scene", "method", "tiles", "frames", "mape", "mape_se", "mape_reference_se", "change", "change_se",
-              "change_reference_se", "p", "gpu_ms", "wall_ms"]
+    header = [
+        "scene",
+        "method",
+        "tiles",
+        "frames",
+        "mape",
+        "mape_se",
+        "mape_reference_se",
+        "change",
+        "change_se",
+        "change_reference_se",
+        "p",
+        "gpu_ms",
+        "wall_ms",
+    ]
     rows = []
     for scene in findings:
         for method in scene.methods:
             own, against = scene.reference_se.get(method.label, (math.nan, math.nan))
             quotient, se = st.ratio(method.single, scene.methods[0].single)
-            numbers = [*st.mean_se(method.single), own, quotient - 1, se, against, method.adjusted.get(("mape", "single"), math.nan)]
+            numbers = [
+                *st.mean_se(method.single),
+                own,
+                quotient - 1,
+                se,
+                against,
+                method.adjusted.get(("mape", "single"), math.nan),
+            ]
             times = [float(each[:, -1].mean() / method.frames[-1]) for each in (method.gpu_ms, method.wall_ms)]
-            rows.append([scene.scene, method.label, scene.seeds, len(scene.at), *(f"{float(value):.9g}" for value in numbers + times)])
+            rows.append(
+                [
+                    scene.scene,
+                    method.label,
+                    scene.seeds,
+                    len(scene.at),
+                    *(f"{float(value):.9g}" for value in numbers + times),
+                ]
+            )
     _write(file, header, rows)
 
 

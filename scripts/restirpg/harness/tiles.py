@@ -25,9 +25,13 @@ def choose(size, count, side, seed):
     """((x, y), ...): the corners of `count` of the grid's tiles, each of side x side pixels. Raises UserError."""
     columns, rows = size[0] // side, size[1] // side
     if (columns * side, rows * side) != tuple(size):
-        raise UserError(f"tiles of {side}x{side} pixels do not cover {size[0]}x{size[1]}; choose a side that divides both with --tile-size")
+        raise UserError(
+            f"tiles of {side}x{side} pixels do not cover {size[0]}x{size[1]}; choose a side that divides both with --tile-size"
+        )
     if count > columns * rows:
-        raise UserError(f"{size[0]}x{size[1]} has only {columns * rows} tiles of {side}x{side} pixels, not {count}; ask for fewer with --tiles")
+        raise UserError(
+            f"{size[0]}x{size[1]} has only {columns * rows} tiles of {side}x{side} pixels, not {count}; ask for fewer with --tiles"
+        )
     drawn = np.random.default_rng(seed).choice(columns * rows, count, replace=False)
     return tuple((int(tile % columns) * side, int(tile // columns) * side) for tile in sorted(drawn))
 

@@ -105,9 +105,7 @@ def frames_of_run(renderer, seed, frames, before_frame=None, output="radiance"):
 
 def independent_runs(renderer, runs, frames, before_frame=None, output="radiance", family=0):
     """The given frames of each run: {k: (runs, H, W)}. Another `family` has other random numbers."""
-    samples = [
-        frames_of_run(renderer, run_seed(run, family), frames, before_frame, output) for run in range(runs)
-    ]
+    samples = [frames_of_run(renderer, run_seed(run, family), frames, before_frame, output) for run in range(runs)]
     return dict(zip(frames, np.array(samples).swapaxes(0, 1)))
 
 
@@ -127,9 +125,7 @@ def compare(samples, reference, tests=1, block=BLOCK):
     count = tests * z.size
     typical = Test(0.0, float(np.median((guarded / level)[noisy])) if noisy.any() else 0.0, runs - 1, 1.0)
     means = samples.mean((1, 2)) / expected
-    se = np.sqrt(
-        means.var(ddof=1) / runs + reference.variance.mean() / reference.variance.size / expected**2
-    )
+    se = np.sqrt(means.var(ddof=1) / runs + reference.variance.mean() / reference.variance.size / expected**2)
     score = abs(means.mean() - 1) / se if se > 0 else 0.0
     return Verdict(
         runs=runs,

@@ -65,9 +65,7 @@ def one_line(error):
 
 def _serve(connection, folder, at_a_time, log):
     """A worker's whole life: take a task, answer with ticks and one result, until the pipe closes."""
-    with open(
-        log, "ab", buffering=0
-    ) as file:  # the renderer's own messages must not spoil the progress display
+    with open(log, "ab", buffering=0) as file:  # the renderer's own messages must not spoil the progress display
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
     faulthandler.enable()
@@ -96,7 +94,9 @@ class _Process:
         self.log.unlink(missing_ok=True)
         self.job = None
         self.connection, theirs = _context.Pipe()
-        self.process = _context.Process(target=_serve, args=(theirs, str(folder), at_a_time, str(self.log)), daemon=True)
+        self.process = _context.Process(
+            target=_serve, args=(theirs, str(folder), at_a_time, str(self.log)), daemon=True
+        )
         # Ctrl-C reaches the whole process group: the parent alone decides what ends, so the worker never sees
         # it.
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})

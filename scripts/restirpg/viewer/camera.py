@@ -98,6 +98,7 @@ def focus(pose, depth):
 
 def same(one, other):
     """Whether two poses show the same picture, up to rounding in single precision."""
+
     def numbers(pose):
         return np.concatenate([pose["position"], *axes(pose), [pose["yfov"]]])
 
@@ -110,8 +111,10 @@ def project(pose, aspect, points):
     right, up, forward = axes(pose)
     x, y, depth = np.stack([right, up, forward]) @ (np.asarray(points, float) - pose["position"]).T
     extent = math.tan(pose["yfov"] / 2)
-    return [[float(0.5 + a / (2 * d * extent * aspect)), float(0.5 - b / (2 * d * extent))] if d > 1e-6 else None
-            for a, b, d in zip(x, y, depth)]
+    return [
+        [float(0.5 + a / (2 * d * extent * aspect)), float(0.5 - b / (2 * d * extent))] if d > 1e-6 else None
+        for a, b, d in zip(x, y, depth)
+    ]
 
 
 def _rounded(pose):

@@ -13,9 +13,18 @@ from . import camera, graphs, pictures
 
 def png(session, pane):
     """The picture as shown, with its provenance as texts."""
-    texts = {"graph": _graph(session, pane).decode(), "scene": str(session.scene.file), "sceneHash": session.scene.hash,
-             "camera": camera.as_json(session.camera), "time": f"{session.time:.6g}", "seed": str(session.seed),
-             "frames": str(pane.frames), "exposure": f"{session.exposure:.6g}", "port": pane.port or "", "commit": restirpg.COMMIT}
+    texts = {
+        "graph": _graph(session, pane).decode(),
+        "scene": str(session.scene.file),
+        "sceneHash": session.scene.hash,
+        "camera": camera.as_json(session.camera),
+        "time": f"{session.time:.6g}",
+        "seed": str(session.seed),
+        "frames": str(pane.frames),
+        "exposure": f"{session.exposure:.6g}",
+        "port": pane.port or "",
+        "commit": restirpg.COMMIT,
+    }
     return pictures.png(session.pixels(pane), {f"restirpg.{name}": text for name, text in texts.items()})
 
 
@@ -30,7 +39,11 @@ def _graph(_, pane):
     return json.dumps(graphs.with_knobs(pane.description, pane.changed), indent=1).encode()
 
 
-_KINDS = {"picture.png": (png, "image/png"), "outputs.exr": (_exr, "image/x-exr"), "graph.json": (_graph, "application/json")}
+_KINDS = {
+    "picture.png": (png, "image/png"),
+    "outputs.exr": (_exr, "image/x-exr"),
+    "graph.json": (_graph, "application/json"),
+}
 
 
 def make(session, name, number):

@@ -1,4 +1,5 @@
-"""A film: pictures of the next frames of every graph in view, numbered, in a folder of its own below the capture folder."""
+"""A film: pictures of the next frames of every graph in view, numbered, in a folder of its own below the capture
+folder."""
 
 import time
 from pathlib import Path
@@ -23,7 +24,9 @@ class Film:
             raise UserError(f"{count!r} is no number of frames from 1 to {MOST_FRAMES}")
         self.count, self.done, self._kind, self._session = count, 0, kind, session
         stamp = time.strftime("film_%Y%m%d_%H%M%S")
-        self.folder = next(folder for i in range(1000) if not (folder := Path(captures) / (stamp + (f"_{i}" if i else ""))).exists())
+        self.folder = next(
+            folder for i in range(1000) if not (folder := Path(captures) / (stamp + (f"_{i}" if i else ""))).exists()
+        )
 
     def add(self):
         """Write the frame that every graph has just rendered. Raises UserError where that cannot be."""

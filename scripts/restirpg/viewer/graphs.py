@@ -5,14 +5,15 @@ import functools
 import restirpg
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def described(pass_type):
     """restirpg.describe_pass, asked once a type."""
     return restirpg.describe_pass(pass_type)
 
 
 def panel(description, values):
-    """The knobs of every pass with their declarations: what the page makes its panel from. `values`: of Renderer.knobs()."""
+    """The knobs of every pass with their declarations: what the page makes its panel from. `values`: of
+    Renderer.knobs()."""
     passes = []
     for entry in description["passes"]:
         declared = described(entry["type"])
@@ -60,13 +61,16 @@ def with_knobs(description, changed):
     """The description with other values of knobs, {"pass.knob": value}."""
     passes = []
     for entry in description["passes"]:
-        own = {name.partition(".")[2]: value for name, value in changed.items() if name.partition(".")[0] == entry["name"]}
+        own = {
+            name.partition(".")[2]: value for name, value in changed.items() if name.partition(".")[0] == entry["name"]
+        }
         passes.append({**entry, "knobs": {**entry.get("knobs", {}), **own}})
     return {**description, "passes": passes}
 
 
 def as_arguments(changed):
     """Changed knobs as options of `restirpg render`."""
+
     def text(value):
         return str(value).lower() if isinstance(value, bool) else str(value)
 

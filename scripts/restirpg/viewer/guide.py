@@ -1,5 +1,6 @@
-"""What guides the paths at a pixel of a graph in view: its cell's lobes, the directions of the last frame that they learn
-from, and, on request, the true product. Maps are of the hemisphere about the normal, see harness/guide_maps.py."""
+"""What guides the paths at a pixel of a graph in view: its cell's lobes, the directions of the last frame that they
+learn from, and, on request, the true product. Maps are of the hemisphere about the normal, see
+harness/guide_maps.py."""
 
 import base64
 from types import SimpleNamespace
@@ -14,8 +15,8 @@ _LARGER = 10  # pixels of a bin's side
 
 
 def at_pixel(pane, probe, scene, pixel, with_product):
-    """{lobes: [(kappa, weight)], alpha, samples, side (m), age, maps: {name: PNG as base64}}. Raises UserError where the
-    graph has no guide in the hash grid, or the pixel shows no surface."""
+    """{lobes: [(kappa, weight)], alpha, samples, side (m), age, maps: {name: PNG as base64}}. Raises UserError where
+    the graph has no guide in the hash grid, or the pixel shows no surface."""
     from restirpg.harness import guide_maps  # matplotlib takes a second
 
     names = guiding.GuidedGraph(pane.description)
@@ -32,8 +33,12 @@ def at_pixel(pane, probe, scene, pixel, with_product):
         mixture = guiding.mixture_of(cell)
         maps["lobes"] = guide_maps.lobes_in(mixture, point)
         order = np.argsort(-mixture.weight)
-        told.update(lobes=[(float(mixture.kappa[i]), float(mixture.weight[i])) for i in order], age=int(cell["age"]),
-                    alpha=guiding.alpha_of(cell), samples=float(cell["samples"]))
+        told.update(
+            lobes=[(float(mixture.kappa[i]), float(mixture.weight[i])) for i in order],
+            age=int(cell["age"]),
+            alpha=guiding.alpha_of(cell),
+            samples=float(cell["samples"]),
+        )
     port = f"{names.reuse}.vertices"
     if port in pane.renderer.memory():
         directions, _, keys = guide_maps.splatted(pane.renderer, port, grid)
@@ -50,4 +55,6 @@ def _encoded(maps):
     """PNGs of densities on one scale, that of the first map."""
     limit = max(float(np.quantile(next(iter(maps.values())), 0.99)), 1e-12)
     larger = {name: np.kron(values, np.ones((_LARGER, _LARGER))) for name, values in maps.items()}
-    return {name: base64.b64encode(pictures.png(pictures.heat(values, limit))).decode() for name, values in larger.items()}
+    return {
+        name: base64.b64encode(pictures.png(pictures.heat(values, limit))).decode() for name, values in larger.items()
+    }

@@ -4,6 +4,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+
 import restirpg
 
 from . import graphs

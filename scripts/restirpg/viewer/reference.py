@@ -8,7 +8,12 @@ import restirpg
 SOURCES = ("none", "file", "traced")
 MOST_FRAMES = 1 << 16  # of the path tracer
 _SEED = 0x5EED5EED  # not one that graphs in view are likely to have: their noise is independent of the reference's
-_KEPT = ("device", "backend", "validation", "energy_compensation")  # of a graph's options, what the picture's mean depends on
+_KEPT = (
+    "device",
+    "backend",
+    "validation",
+    "energy_compensation",
+)  # of a graph's options, what the picture's mean depends on
 
 
 class Reference:

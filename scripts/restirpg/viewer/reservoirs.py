@@ -2,6 +2,7 @@
 framework/shaders/path_reservoir_types.h, light_reservoir_types.h and path_vertex_types.h."""
 
 import numpy as np
+
 from restirpg.harness import guiding
 
 from . import camera
@@ -10,7 +11,16 @@ PATH = np.dtype([
     ("f", "<f4", 3), ("ucw", "<f4"), ("confidence", "<f4"), ("shape", "<u4"), ("labels", "<u4"), ("pixel", "<u4"),
     ("frame", "<u4"), ("prefix", "<u4", 4), ("sharp_pdf", "<f4"), ("anchor", "<u4", 2), ("place", "<f4", 2),
     ("direction", "<u4"), ("geometry", "<f4"), ("suffix", "<f4", 3)])  # fmt: skip
-LIGHT = np.dtype([("instance", "<u4"), ("index", "<u4"), ("place", "<f4", 2), ("ucw", "<f4"), ("confidence", "<f4"), ("target", "<f4")])
+LIGHT = np.dtype(
+    [
+        ("instance", "<u4"),
+        ("index", "<u4"),
+        ("place", "<f4", 2),
+        ("ucw", "<f4"),
+        ("confidence", "<f4"),
+        ("target", "<f4"),
+    ]
+)
 _NONE = 0xFFFFFFFF
 _LABELS = ("smooth", "sharp reflection", "sharp transmission")
 _ARROW = 0.25  # of a vertex's distance from the camera: length of the last edge, whose end is not stored
@@ -21,12 +31,17 @@ def _numbers(values):
 
 
 def _light_point(instance, index):
-    return f"light {index} of the table" if instance == _NONE else f"triangle {index} of instance {instance}, which emits"
+    return (
+        f"light {index} of the table" if instance == _NONE else f"triangle {index} of instance {instance}, which emits"
+    )
 
 
 def _weights(record):
     yield f"confidence M = {_numbers(record['confidence'])}", "how many pixels' candidates stand behind it"
-    yield f"contribution weight W = {_numbers(record['ucw'])}", "about 1 / density" if record["ucw"] > 0 else "it carries no light"
+    yield (
+        f"contribution weight W = {_numbers(record['ucw'])}",
+        "about 1 / density" if record["ucw"] > 0 else "it carries no light",
+    )
 
 
 def describe_light(record):
@@ -34,7 +49,11 @@ def describe_light(record):
     if record["confidence"] == 0:
         return [("empty", "no light was found here")]
     lines = [("a point of " + _light_point(record["instance"], record["index"]), f"at {_numbers(record['place'])}")]
-    return [*lines, *_weights(record), (f"target {_numbers(record['target'])}", "luminance that it sends to the camera, if it is seen")]
+    return [
+        *lines,
+        *_weights(record),
+        (f"target {_numbers(record['target'])}", "luminance that it sends to the camera, if it is seen"),
+    ]
 
 
 def describe_path(record):
@@ -42,7 +61,9 @@ def describe_path(record):
     edges, reconnects = int(record["shape"]) & 255, int(record["shape"]) >> 8 & 255
     if edges == 0:
         return [("empty", "no path was found here"), *(_weights(record) if record["confidence"] > 0 else ())]
-    lines = [(f"a path of {edges} edges", "camera, " + ", ".join(f"x{u}" for u in range(1, edges)) + f", light x{edges}")]
+    lines = [
+        (f"a path of {edges} edges", "camera, " + ", ".join(f"x{u}" for u in range(1, edges)) + f", light x{edges}")
+    ]
     bounces = []
     for u in range(1, edges):
         delta = " (delta)" if record["shape"] >> (15 + u) & 1 else ""
@@ -53,7 +74,9 @@ def describe_path(record):
     elif reconnects == edges:
         lines.append((f"it reconnects at its light, x{edges}", _light_point(*record["anchor"])))
     else:
-        lines.append((f"it reconnects at x{reconnects}", f"triangle {record['anchor'][1]} of instance {record['anchor'][0]}"))
+        lines.append(
+            (f"it reconnects at x{reconnects}", f"triangle {record['anchor'][1]} of instance {record['anchor'][0]}")
+        )
     radiance = record["f"].astype(float) * float(record["ucw"])
     return [*lines, *_weights(record), (f"f W = {_numbers(radiance)}", "radiance by this path alone, RGB")]
 
@@ -73,9 +96,9 @@ def at_pixel(pane, x, y):
 
 
 def path_at_pixel(pane, x, y, pose):
-    """The smooth vertices of the path that the pixel has selected, as places in the picture: {points: [[u, v] or null], fractions
-    of the picture; bounces: [u], their numbers; light: [u, v] or null, towards the light beyond the last}. None where a graph
-    keeps no vertices, or the pixel no path."""
+    """The smooth vertices of the path that the pixel has selected, as places in the picture: {points: [[u, v] or null],
+    fractions of the picture; bounces: [u], their numbers; light: [u, v] or null, towards the light beyond the last}.
+    None where a graph keeps no vertices, or the pixel no path."""
     try:
         names = guiding.GuidedGraph(pane.description)
     except guiding.UserError:
@@ -95,4 +118,8 @@ def path_at_pixel(pane, x, y, pose):
     if vertices["surface"][-1] & guiding.FINAL:
         length = _ARROW * np.linalg.norm(last - pose["position"])
         (light,) = camera.project(pose, width / height, [last + length * leaves])
-    return {"points": camera.project(pose, width / height, points), "bounces": [int(u) + 1 for u in bounces], "light": light}
+    return {
+        "points": camera.project(pose, width / height, points),
+        "bounces": [int(u) + 1 for u in bounces],
+        "light": light,
+    }

@@ -1,7 +1,7 @@
 """The viewer's web server: one page, one WebSocket a tab, on the loopback address, behind a token in the path.
 
-The event loop never renders: all that touches the session goes through the render thread. A tab is sent the newest picture
-when it has shown the last one, so a slow one drops frames.
+The event loop never renders: all that touches the session goes through the render thread. A tab is sent the newest
+picture when it has shown the last one, so a slow one drops frames.
 """
 
 import asyncio
@@ -19,11 +19,20 @@ from . import capture
 from .rendering import message_of
 
 PAGE = Path(__file__).parent / "page"
-_TYPES = {"": "text/html", "viewer.js": "text/javascript", "navigation.js": "text/javascript", "panel.js": "text/javascript",
-          "viewer.css": "text/css"}
-_HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff",
-            "Content-Security-Policy": "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; "
-                                       "connect-src 'self' ws:"}
+_TYPES = {
+    "": "text/html",
+    "viewer.js": "text/javascript",
+    "navigation.js": "text/javascript",
+    "panel.js": "text/javascript",
+    "viewer.css": "text/css",
+}
+_HEADERS = {
+    "Cache-Control": "no-store",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+    "Content-Security-Policy": "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; "
+    "connect-src 'self' ws:",
+}
 _LARGEST = 1 << 16  # bytes of a message from a page
 
 
@@ -104,7 +113,9 @@ class Server:
 
     async def _page(self, request):
         name = request.path.split("/")[2]
-        return web.Response(body=(PAGE / (name or "index.html")).read_bytes(), content_type=_TYPES[name], charset="utf-8")
+        return web.Response(
+            body=(PAGE / (name or "index.html")).read_bytes(), content_type=_TYPES[name], charset="utf-8"
+        )
 
     async def _capture(self, request):
         """A download: its name chooses what it is, see capture.py; the page's query which graph."""
@@ -114,8 +125,9 @@ class Server:
             data, content_type, name = await asyncio.wrap_future(found)
         except Exception as error:
             raise web.HTTPBadRequest(text=message_of(error) + "\n") from None
-        return web.Response(body=data, content_type=content_type,
-                            headers={"Content-Disposition": f'attachment; filename="{name}"'})
+        return web.Response(
+            body=data, content_type=content_type, headers={"Content-Disposition": f'attachment; filename="{name}"'}
+        )
 
     async def _live(self, request):
         socket = web.WebSocketResponse(heartbeat=15, max_msg_size=_LARGEST, compress=False)
@@ -138,6 +150,7 @@ class Server:
 
     def _greet(self, client):
         """Send the state and the picture there is to a new tab."""
+
         def arrived(name, future):
             if future.cancelled():
                 return
@@ -179,6 +192,7 @@ class Server:
 
     def _answer(self, client, future, name=None):
         """Tell the tab the result of a call under `name`, or what went wrong."""
+
         def finished(done):
             if done.cancelled():
                 return

@@ -1,7 +1,7 @@
 """What is looked at and how: the state behind the page, without a network. One thread uses it.
 
-apply() takes the page's messages, {"do": name, arguments}; render() makes the next frame of every graph; frame() gives what
-is to be shown of it.
+apply() takes the page's messages, {"do": name, arguments}; render() makes the next frame of every graph; frame() gives
+what is to be shown of it.
 """
 
 import inspect
@@ -11,6 +11,7 @@ import time
 from dataclasses import dataclass, field
 
 import numpy as np
+
 import restirpg
 from restirpg.harness import UserError
 
@@ -42,8 +43,8 @@ class Session:
     """One scene, one camera, and up to a few graphs that render it in step."""
 
     def __init__(self, scene, sources, size, reference=None, captures=None, **options):
-        """sources: graph files, restirpg.Graph or descriptions. reference: an image (H, W, 3) of the scene's own camera.
-        captures: the folder where films are put."""
+        """sources: graph files, restirpg.Graph or descriptions. reference: an image (H, W, 3) of the scene's own
+        camera. captures: the folder where films are put."""
         self.scene, self.size, self.captures = scene, tuple(size), captures
         self.reference = Reference(scene, self.size, options, reference)
         self.film = None
@@ -58,9 +59,36 @@ class Session:
         self.seen = {}  # client: the last of its messages that the next frame() shows
         self._steps, self._moved, self._rendered = 0, False, False
         self._probe = None
-        self._commands = {name: getattr(self, f"do_{name}") for name in (
-            "orbit", "look", "pan", "dolly", "fly", "zoom", "focus", "pose", "home", "camera", "play", "step", "restart", "keep",
-            "exposure", "view", "set", "reset", "show", "seed", "time", "speed", "reload", "reference", "film")}
+        self._commands = {
+            name: getattr(self, f"do_{name}")
+            for name in (
+                "orbit",
+                "look",
+                "pan",
+                "dolly",
+                "fly",
+                "zoom",
+                "focus",
+                "pose",
+                "home",
+                "camera",
+                "play",
+                "step",
+                "restart",
+                "keep",
+                "exposure",
+                "view",
+                "set",
+                "reset",
+                "show",
+                "seed",
+                "time",
+                "speed",
+                "reload",
+                "reference",
+                "film",
+            )
+        }
 
     def apply(self, message, client=None):
         """Do what the page asks for. Raises UserError or restirpg.Error; all is as before then."""
@@ -318,7 +346,10 @@ class Session:
             first, second = (pane.picture() for pane in self.panes[:2])
             return [pictures.heat(pictures.relative_difference(second, first), 2.0**-self.exposure)]
         if self.view == "error" and (truth := self.truth()) is not None:
-            return [pictures.heat(pictures.relative_difference(pane.picture(), truth), 2.0**-self.exposure) for pane in self.panes]
+            return [
+                pictures.heat(pictures.relative_difference(pane.picture(), truth), 2.0**-self.exposure)
+                for pane in self.panes
+            ]
         return [self.pixels(pane) for pane in self.panes]
 
     def pixels(self, pane):
@@ -333,33 +364,83 @@ class Session:
         start = time.perf_counter()
         self.stale = False
         images = [pictures.jpeg(pixels) for pixels in self._shown()]
-        panes = [{"frames": pane.frames, "milliseconds": pane.milliseconds, "passes": pane.renderer.gpu_times(),
-                  "memory": sum(pane.renderer.memory().values()), "mape": error}
-                 for pane, error in zip(self.panes, self.errors())]
-        header = {"panes": panes, "seen": dict(self.seen), "time": self.time, "sizes": [len(image) for image in images],
-                  "reference_frames": self.reference.frames, "film": self.film and self.film.told(),
-                  "view_milliseconds": 1000 * (time.perf_counter() - start)}
+        panes = [
+            {
+                "frames": pane.frames,
+                "milliseconds": pane.milliseconds,
+                "passes": pane.renderer.gpu_times(),
+                "memory": sum(pane.renderer.memory().values()),
+                "mape": error,
+            }
+            for pane, error in zip(self.panes, self.errors())
+        ]
+        header = {
+            "panes": panes,
+            "seen": dict(self.seen),
+            "time": self.time,
+            "sizes": [len(image) for image in images],
+            "reference_frames": self.reference.frames,
+            "film": self.film and self.film.told(),
+            "view_milliseconds": 1000 * (time.perf_counter() - start),
+        }
         return Frame(header, images)
 
     def state(self):
         """All that the page's controls show."""
-        panes = [{"name": pane.name, "file": str(pane.file) if pane.file else "", "passes": pane.panel(),
-                  "ports": sorted(pane.ports), "port": pane.port,
-                  "guided": graphs.is_guided(pane.description), "arguments": graphs.as_arguments(pane.changed),
-                  "command": self._command(pane)}
-                 for pane in self.panes]
-        return {"panes": panes, "size": self.size, "scene": str(self.scene.file), "duration": self.scene.duration,
-                "camera": self.camera, "call": camera.as_python(self.camera), "json": camera.as_json(self.camera),
-                "cameras": [entry["name"] for entry in self.panes[0].renderer.scene_cameras()],
-                "playing": self.playing, "keep": self.keep,
-                "exposure": self.exposure, "view": self.view, "seed": self.seed, "time": self.time, "speed": self.speed,
-                "reference": self.reference.source, "has_file": self.reference.image is not None, "films": self.captures is not None}
+        panes = [
+            {
+                "name": pane.name,
+                "file": str(pane.file) if pane.file else "",
+                "passes": pane.panel(),
+                "ports": sorted(pane.ports),
+                "port": pane.port,
+                "guided": graphs.is_guided(pane.description),
+                "arguments": graphs.as_arguments(pane.changed),
+                "command": self._command(pane),
+            }
+            for pane in self.panes
+        ]
+        return {
+            "panes": panes,
+            "size": self.size,
+            "scene": str(self.scene.file),
+            "duration": self.scene.duration,
+            "camera": self.camera,
+            "call": camera.as_python(self.camera),
+            "json": camera.as_json(self.camera),
+            "cameras": [entry["name"] for entry in self.panes[0].renderer.scene_cameras()],
+            "playing": self.playing,
+            "keep": self.keep,
+            "exposure": self.exposure,
+            "view": self.view,
+            "seed": self.seed,
+            "time": self.time,
+            "speed": self.speed,
+            "reference": self.reference.source,
+            "has_file": self.reference.image is not None,
+            "films": self.captures is not None,
+        }
 
     def _command(self, pane):
         """The command line that renders what a graph shows here."""
-        words = ["restirpg", "render", str(pane.file or "GRAPH"), "--scene", str(self.scene.file), "--size", "x".join(map(str, self.size)),
-                 "--frames", str(max(1, pane.frames)), "--seed", str(self.seed), *graphs.as_arguments(pane.changed).split(),
-                 camera.as_option(self.camera), *(["--time", f"{self.time:.6g}"] if self.time else []), "-o", "out.exr"]
+        words = [
+            "restirpg",
+            "render",
+            str(pane.file or "GRAPH"),
+            "--scene",
+            str(self.scene.file),
+            "--size",
+            "x".join(map(str, self.size)),
+            "--frames",
+            str(max(1, pane.frames)),
+            "--seed",
+            str(self.seed),
+            *graphs.as_arguments(pane.changed).split(),
+            camera.as_option(self.camera),
+            *(["--time", f"{self.time:.6g}"] if self.time else []),
+            "-o",
+            "out.exr",
+        ]
         return shlex.join(words)
 
     def geometry(self, x, y):
@@ -379,9 +460,14 @@ class Session:
         """What is known of a pixel: its geometry, and values of each graph."""
         x, y = self._pixel(x, y)
         self.settle()
-        return {"x": x, "y": y, "geometry": self.geometry(x, y), "panes": [pane.pixel(x, y) for pane in self.panes],
-                "reservoirs": [reservoirs.at_pixel(pane, x, y) for pane in self.panes],
-                "paths": [reservoirs.path_at_pixel(pane, x, y, self.camera) for pane in self.panes]}
+        return {
+            "x": x,
+            "y": y,
+            "geometry": self.geometry(x, y),
+            "panes": [pane.pixel(x, y) for pane in self.panes],
+            "reservoirs": [reservoirs.at_pixel(pane, x, y) for pane in self.panes],
+            "paths": [reservoirs.path_at_pixel(pane, x, y, self.camera) for pane in self.panes],
+        }
 
     def guide(self, pane, x, y, product=False):
         """What guides the paths at a pixel of a graph, see guide.py."""

@@ -75,9 +75,9 @@ class Viewer:
 def view(graphs, scene, size=(640, 360), reference=None, port=0, captures="out/captures", pose=None, **options):
     """Look at a scene through one graph or several, live, in a browser on this machine. Returns a Viewer.
 
-    graphs: a graph file, a restirpg.Graph or a description, or a list of up to 4. scene: a file or what load_scene returns.
-    reference: an EXR file of the scene's own camera, to measure errors against. captures: the folder where films are put.
-    pose: where the camera stands at first, as Renderer.camera has it. options: of restirpg.Renderer.
+    graphs: a graph file, a restirpg.Graph or a description, or a list of up to 4. scene: a file or what load_scene
+    returns. reference: an EXR file of the scene's own camera, to measure errors against. captures: the folder where
+    films are put. pose: where the camera stands at first, as Renderer.camera has it. options: of restirpg.Renderer.
     """
     sources = list(graphs) if isinstance(graphs, (list, tuple)) else [graphs]
     if not 1 <= len(sources) <= MOST_GRAPHS:
@@ -88,7 +88,9 @@ def view(graphs, scene, size=(640, 360), reference=None, port=0, captures="out/c
     if reference is not None:
         image = render.read_exr(reference)
         if image.shape[:2] != (size[1], size[0]):
-            raise UserError(f"{reference}: {image.shape[1]}x{image.shape[0]} pixels; the viewer shows {size[0]}x{size[1]}")
+            raise UserError(
+                f"{reference}: {image.shape[1]}x{image.shape[0]} pixels; the viewer shows {size[0]}x{size[1]}"
+            )
     session = Session(scene, sources, size, image, captures, **options)
     if pose is not None:
         session.apply({"do": "pose", **pose})
@@ -105,8 +107,10 @@ def _pose(text):
     try:
         return camera.from_option(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}' is no pose: position, target and up (x,y,z each) and the vertical field of "
-                                         "view in radians, ten numbers with commas") from None
+        raise argparse.ArgumentTypeError(
+            f"'{text}' is no pose: position, target and up (x,y,z each) and the vertical field of "
+            "view in radians, ten numbers with commas"
+        ) from None
 
 
 def _name():
@@ -117,14 +121,18 @@ def _name():
 
 def _parse(arguments):
     parser = argparse.ArgumentParser(
-        prog=_name(), description="Look at a scene through one graph, or several side by side, live in a browser. The page is served on the "
-        "loopback address alone; over ssh, forward the port that is printed: ssh -L PORT:127.0.0.1:PORT.")
+        prog=_name(),
+        description="Look at a scene through one graph, or several side by side, live in a browser. The page is served on the "
+        "loopback address alone; over ssh, forward the port that is printed: ssh -L PORT:127.0.0.1:PORT.",
+    )
     parser.add_argument("graphs", metavar="GRAPH", nargs="+", help="graph files, up to 4")
     parser.add_argument("--scene", required=True, help="glTF file")
     parser.add_argument("--size", type=program.size, default=(640, 360), help="WIDTHxHEIGHT (640x360)")
     parser.add_argument("--reference", help="EXR file of the scene's own camera, to measure errors against")
     parser.add_argument("--port", type=_port, default=0, help="0: any that is free")
-    parser.add_argument("--captures", default="out/captures", metavar="FOLDER", help="where films are put (%(default)s)")
+    parser.add_argument(
+        "--captures", default="out/captures", metavar="FOLDER", help="where films are put (%(default)s)"
+    )
     parser.add_argument("--pose", type=_pose, help="where the camera stands at first, as the page copies it")
     parser.add_argument("--device", help="number or part of the name, as `restirpg devices` lists them")
     program.add_allow_outside(parser)
@@ -139,8 +147,16 @@ def main(arguments):
         render.find_package()
         with render.refusals():
             scene = restirpg.load_scene(options.scene, allow_outside=options.allow_outside)
-            viewer = view(options.graphs, scene, options.size, options.reference, options.port, options.captures, options.pose,
-                          device=options.device)
+            viewer = view(
+                options.graphs,
+                scene,
+                options.size,
+                options.reference,
+                options.port,
+                options.captures,
+                options.pose,
+                device=options.device,
+            )
         with viewer:
             print(viewer.url, flush=True)
             print("Open this address in a browser. Ctrl-C ends the viewer.", file=sys.stderr, flush=True)

@@ -1,4 +1,5 @@
-"""Whether the files that pictures depend on have changed: graph files and the modules beside them, kernels and shaders."""
+"""Whether the files that pictures depend on have changed: graph files and the modules beside them, kernels and
+shaders."""
 
 import time
 from pathlib import Path

@@ -91,7 +91,7 @@ def drawing(values):
     figure = Figure(figsize=(15.4, 3.6))
     axes = figure.subplots(1, len(FAMILIES), sharey=True)
     series = [(scene, shown) for scene in values for shown in values[scene]]
-    for at, (axis, (title, (default, variants))) in enumerate(zip(axes, FAMILIES.items())):
+    for axis, (title, (default, variants)) in zip(axes, FAMILIES.items()):
         names = [default, *(name for name, _, _ in variants)]
         for number, (scene, shown) in enumerate(series):
             by_label = values[scene][shown]
@@ -117,9 +117,7 @@ def drawing(values):
 
 def run(paper):
     """Run and tabulate both kinds."""
-    results = {
-        shown: paper.compare(study(paper, shown), f"ablation/{shown.replace(' ', '_')}") for shown in SHOWN
-    }
+    results = {shown: paper.compare(study(paper, shown), f"ablation/{shown.replace(' ', '_')}") for shown in SHOWN}
     values = {}
     for shown, found in results.items():
         for scene, by_label in values_of(found).items():
@@ -144,7 +142,5 @@ def run(paper):
         "what it does. Not in the paper, which fixes alpha at 0.5 and 4 lobes and does not give its cell "
         "size."
     )
-    pictures = [
-        Picture("ablation", "Change of MAPE against the default, ± one standard error.", drawing(values))
-    ]
+    pictures = [Picture("ablation", "Change of MAPE against the default, ± one standard error.", drawing(values))]
     return Section("Ablations", text, pictures if values else [], [table])

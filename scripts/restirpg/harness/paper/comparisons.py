@@ -32,9 +32,7 @@ def columns(runs, methods, measured=settled):
     maps = [pictures.relative_error([run["frame"] for run in runs.runs[one.label]], truth) for one in known]
     shown = [pictures.Picture("reference", truth, "MAPE")]
     shown += [
-        pictures.Picture(
-            one.label, runs.runs[one.label][0]["frame"], str(percent(*st.mean_se(values[one.label])))
-        )
+        pictures.Picture(one.label, runs.runs[one.label][0]["frame"], str(percent(*st.mean_se(values[one.label]))))
         for one in known
     ]
     return shown, pictures.crops_of(maps)
@@ -83,9 +81,7 @@ def figure_1(paper):
     exposure = pictures.exposure_of(runs.reference["mean"])
     drawing = pictures.teaser(name_of(runs.scene), exposure, crops, shown[-1], [*shown[1:], shown[0]])
     text = f"Crops of the four methods in {name_of(runs.scene)}. {METRIC}"
-    return Section(
-        "Figure 1: teaser", text, [Picture("figure_1", "Figure 1: crops of the four methods.", drawing)]
-    )
+    return Section("Figure 1: teaser", text, [Picture("figure_1", "Figure 1: crops of the four methods.", drawing)])
 
 
 def study_6(paper):

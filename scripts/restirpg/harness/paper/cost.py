@@ -87,19 +87,11 @@ def memory_table(results):
         for label in (method.label for method in SHOWN if method.label in runs.runs):
             memory = runs.runs[label][0]["meta"]["memory"]
             fixed = {name: size for name, size in memory.items() if name.startswith(("fit.", "splat."))}
-            own = {
-                name: size
-                for name, size in memory.items()
-                if name not in fixed and not name.startswith("scene")
-            }
+            own = {name: size for name, size in memory.items() if name not in fixed and not name.startswith("scene")}
             groups = {}
             for name, size in own.items():
                 groups[name.split(".")[0]] = groups.get(name.split(".")[0], 0) + size
-            cells = [
-                f"{groups.get(name, 0) / (width * height):.0f}"
-                for name in PASSES
-                if name not in ("splat", "fit")
-            ]
+            cells = [f"{groups.get(name, 0) / (width * height):.0f}" for name in PASSES if name not in ("splat", "fit")]
             rows.append(
                 [
                     label,

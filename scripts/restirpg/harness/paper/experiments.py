@@ -46,9 +46,7 @@ def _directions(paper):
 
 
 def _cells(paper, scenes, sizes):
-    return {
-        ("cells", scene, size): 12 * paper.size.seeds * math.prod(size) for scene in scenes for size in sizes
-    }
+    return {("cells", scene, size): 12 * paper.size.seeds * math.prod(size) for scene in scenes for size in sizes}
 
 
 def _cells_of_all(paper):
@@ -130,13 +128,10 @@ def jobs_and_minutes(paper, experiments):
     reused = sum(pixels(changes) for _, _, changes in runs) * size.seeds * size.frames
     seconds += 1e-6 * REUSE_COST * (reused + sum(calls.values()))
     rate = PATH_COST if size.reference_graph == PATH_TRACER else REUSE_COST
-    seconds += 1e-6 * rate * sum(
-        pixels(changes) * views * of(changes, "reference_frames")
-        for (_, changes), views in references.items()
+    seconds += (
+        1e-6
+        * rate
+        * sum(pixels(changes) * views * of(changes, "reference_frames") for (_, changes), views in references.items())
     )
-    jobs = (
-        len(runs) * size.seeds
-        + len(calls)
-        + size.reference_batches * sum(references.values())
-    )
+    jobs = len(runs) * size.seeds + len(calls) + size.reference_batches * sum(references.values())
     return jobs, seconds / 60

@@ -47,8 +47,7 @@ def measure():
     x = run_of(0)[0]
     right = flatland.truth(x)
     shares = [
-        flatland.true_distribution(x[c * PIXELS // CELLS : (c + 1) * PIXELS // CELLS], BINS)
-        for c in range(CELLS)
+        flatland.true_distribution(x[c * PIXELS // CELLS : (c + 1) * PIXELS // CELLS], BINS) for c in range(CELLS)
     ]
     rows = {kind: [] for kind in KINDS}
     for seed in range(SEEDS):
@@ -95,9 +94,7 @@ def drawing():
         axis.plot(x, flatland.estimate(x, by_kind[kind]), color=colour, linewidth=0.8, label=kind)
     right = flatland.truth(x)
     axis.plot(x, right, color="black", linewidth=1.6, label="truth")
-    axis.set(
-        title="resolved image, one frame", xlabel="pixel's place on the floor", ylim=(0, 6 * right.mean())
-    )
+    axis.set(title="resolved image, one frame", xlabel="pixel's place on the floor", ylim=(0, 6 * right.mean()))
     axis.legend()
     for at, cell in enumerate(SHOWN_CELLS):
         axis = figure.add_subplot(grid[1, 2 * at : 2 * at + 2], projection="polar")

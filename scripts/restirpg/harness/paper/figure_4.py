@@ -24,9 +24,7 @@ def directions(scene, description, size, bounces, pixels, frames, seeds, raw):
     (seeds, pixels, rows, columns)."""
     from restirpg.harness import guide_maps
 
-    learner = guide_maps.Learner(
-        scene, json.loads(description), pixels, size, bounces, raw=raw, strict=False
-    )
+    learner = guide_maps.Learner(scene, json.loads(description), pixels, size, bounces, raw=raw, strict=False)
     doublings = [2**k for k in range(frames.bit_length())]
     shape, bins = (len(seeds), len(pixels), len(doublings)), (guide_maps.ROWS, guide_maps.COLUMNS)
     result = {
@@ -84,9 +82,7 @@ def rows_of(scene, truth, answers):
                 scores = np.array(
                     [
                         guide_maps.score(histogram, effective, product, random)
-                        for histogram, effective in zip(
-                            answer["histograms"][:, at, k], answer["effective"][:, at, k]
-                        )
+                        for histogram, effective in zip(answer["histograms"][:, at, k], answer["effective"][:, at, k])
                         if np.isfinite(effective)
                     ]
                 )

@@ -104,14 +104,10 @@ def reuse(x, before, random, neighbours=5, radius=40, weights="balance"):
     others = np.arange(count)[:, None] + random.integers(-radius, radius + 1, (count, neighbours))
     others = np.c_[np.arange(count), np.clip(others, 0, count - 1)]  # pixel, participants; itself first
     s = before.s[others]
-    by_each = target(
-        x[others][:, None, :], s[:, :, None] * np.ones(others.shape[1])
-    )  # of path j by participant k
+    by_each = target(x[others][:, None, :], s[:, :, None] * np.ones(others.shape[1]))  # of path j by participant k
     own = np.take_along_axis(by_each, np.arange(others.shape[1])[None, :, None], 2)[..., 0]
     total = by_each.sum(-1)
-    share = (
-        own / np.maximum(total, 1e-300) if weights == "balance" else np.full_like(own, 1 / others.shape[1])
-    )
+    share = own / np.maximum(total, 1e-300) if weights == "balance" else np.full_like(own, 1 / others.shape[1])
     here = by_each[:, :, 0]
     w = np.where(total > 0, share * here * before.ucw[others], 0)
     chosen = (random.random((count, 1)) * w.sum(1, keepdims=True) > np.cumsum(w, 1)).sum(1)

@@ -58,9 +58,7 @@ def studies_7(paper):
 def studies_motion(paper):
     """{what moves: study} of the other sequences."""
     return {
-        "swinging door" if not paper.chosen else "animation": moving(
-            paper, paper.scenes("door_ajar_animated")
-        ),
+        "swinging door" if not paper.chosen else "animation": moving(paper, paper.scenes("door_ajar_animated")),
         "camera on a circle": circling(paper, paper.scenes(paper.size.scenes[0])),
     }
 
@@ -155,9 +153,7 @@ def curves(sequences):
 
 def section(paper, name, title, text, studies):
     """The section of a set of sequences."""
-    results = {
-        moves: paper.compare(study, f"{name}/{moves.replace(' ', '_')}") for moves, study in studies.items()
-    }
+    results = {moves: paper.compare(study, f"{name}/{moves.replace(' ', '_')}") for moves, study in studies.items()}
     sequences = [(moves, runs) for moves, found in results.items() for runs in found.runs]
     if not sequences:
         return Section(title, "Nothing was finished: see what failed.")

@@ -49,9 +49,7 @@ class Table:
         numeric = [any(isinstance(row[at], Estimate) for row in self.rows) for at in range(len(self.header))]
         stream = io.StringIO()
         writer = csv.writer(stream, lineterminator="\n")
-        pairs = [
-            [name, f"{name} (se)"] if is_number else [name] for name, is_number in zip(self.header, numeric)
-        ]
+        pairs = [[name, f"{name} (se)"] if is_number else [name] for name, is_number in zip(self.header, numeric)]
         writer.writerow([name for pair in pairs for name in pair])
         for row in self.rows:
             cells = [_csv_cells(cell, is_number) for cell, is_number in zip(row, numeric)]
@@ -123,8 +121,7 @@ def write(sections, paper, file, program):
         ("size, frames, seeds", f"{size.size[0]}x{size.size[1]}, {size.frames}, {size.seeds} ({size.name})"),
         (
             "reference",
-            f"{size.reference_frames} frames of {Path(size.reference_graph).name} in "
-            f"{size.reference_batches} batches",
+            f"{size.reference_frames} frames of {Path(size.reference_graph).name} in {size.reference_batches} batches",
         ),
     ]
     text = report.template("paper.html.j2").render(

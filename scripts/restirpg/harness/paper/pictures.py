@@ -92,9 +92,7 @@ def rows(scenes):
             if at == 0:
                 axes.set_ylabel(name)
             for number, ((x, y), colour) in enumerate(zip(corners, CROP_COLOURS)):
-                axes.add_patch(
-                    Rectangle((x - 0.5, y - 0.5), side, side, fill=False, edgecolor=colour, linewidth=1.5)
-                )
+                axes.add_patch(Rectangle((x - 0.5, y - 0.5), side, side, fill=False, edgecolor=colour, linewidth=1.5))
                 crop = part.add_subplot(grid[1, 2 * at + number])
                 _show(crop, pixels[y : y + side, x : x + side])
                 _frame(crop, colour)
@@ -125,9 +123,7 @@ def teaser(name, exposure, crops, whole, pictures):
         left = share + 0.015 + at * step
         for number, ((x, y), colour) in enumerate(zip(corners, CROP_COLOURS)):
             if at == 0:
-                axes.add_patch(
-                    Rectangle((x - 0.5, y - 0.5), side, side, fill=False, edgecolor=colour, linewidth=2)
-                )
+                axes.add_patch(Rectangle((x - 0.5, y - 0.5), side, side, fill=False, edgecolor=colour, linewidth=2))
             crop = figure.add_axes((left, 0.51 - 0.41 * number, step - 0.006, 0.39))
             _show(crop, displayable(picture.image, exposure)[y : y + side, x : x + side])
             _frame(crop, colour)

@@ -7,9 +7,8 @@ gets four times as many samples a frame.
 import numpy as np
 
 from restirpg.harness import plots  # noqa: F401  (chooses matplotlib's backend and style)
-from restirpg.harness import statistics as st
 from restirpg.harness.paper import errors, table_1
-from restirpg.harness.paper.page import Picture, Section, Table, estimate, percent
+from restirpg.harness.paper.page import Picture, Section, Table, estimate
 from restirpg.harness.paper.paper import OURS, RUPPERT, UNGUIDED, Study, method, name_of
 
 from matplotlib.figure import Figure  # isort: skip
@@ -34,8 +33,7 @@ def studies(paper):
     """{size: Study}; at the evaluation's own size figure 5 has made most of the runs."""
     own = tuple(paper.size.size)
     return {
-        size: Study(COMPARED, scenes_of(paper), () if size == own else (("size", size),))
-        for size in sizes_of(paper)
+        size: Study(COMPARED, scenes_of(paper), () if size == own else (("size", size),)) for size in sizes_of(paper)
     }
 
 

@@ -8,8 +8,7 @@ from restirpg.harness.paper.paper import OURS, name_of
 
 AVERAGES = ("own cells", "cells of either", "sample-weighted")
 PAPER = (
-    "The paper has 3055 / 164 in Veach Ajar, 3326 / 1372 in Veach Bidir Room, 2282 / 95 in Living Room, at "
-    "1920x1080."
+    "The paper has 3055 / 164 in Veach Ajar, 3326 / 1372 in Veach Bidir Room, 2282 / 95 in Living Room, at 1920x1080."
 )
 
 

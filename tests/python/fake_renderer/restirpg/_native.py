@@ -195,7 +195,7 @@ def read_exr(file):
         raise Error(f"{file}: cannot be read: {error}") from None
 
 
-def write_exr(file, layers, half=False, attributes={}):
+def write_exr(file, layers, half=False, attributes=None):
     """The first layer as .npy, whatever the name says."""
     with open(file, "wb") as stream:
         np.save(stream, next(iter(layers.values())))
