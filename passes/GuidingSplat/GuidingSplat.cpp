@@ -79,8 +79,8 @@ public:
         parameters.smallestCell = smallestCell_;
         parameters.rowStep = (frame.height() + rows_ - 1) / rows_;
         frame.fill(*statistics_.resource);
-        frame.dispatch(kernel_, parameters, frame.width(), (frame.height() + parameters.rowStep - 1) / parameters.rowStep,
-                       parameters.stride);
+        frame.dispatch(kernel_, parameters, frame.width(),
+                       (frame.height() + parameters.rowStep - 1) / parameters.rowStep, parameters.stride);
     }
 
 private:

@@ -12,6 +12,8 @@ import pytest
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 from triangles import load_triangles
 
+from restirpg.records import record
+
 pytestmark = pytest.mark.compile_bound
 
 FRAMES = 4
@@ -44,7 +46,7 @@ def frames(scene, request):
         grid = oracle.grid_of(header, renderer.get("splat.smallest_cell"))
         vertices = {port: renderer.read_port(port).view(oracle.VERTEX).reshape(32 * 32, -1) for port in PORTS}
         positions = {port: grid.positions(v["position"].ravel()).reshape(*v.shape, 3) for port, v in vertices.items()}
-        reservoirs = renderer.read_port("reuse.reservoirs").view(np.uint32).reshape(32 * 32, 23)
+        reservoirs = renderer.read_port("reuse.reservoirs").view(record("PathReservoir"))
         result.append((renderer.camera, grid, vertices, positions, reservoirs))
     return result
 
@@ -127,8 +129,8 @@ def test_paths_end_on_the_light_and_nowhere_before(frames, box, port):
 def test_the_vertices_are_those_of_the_reservoirs_path(frames):
     """As many as the path has bounces; none where the reservoir carries no light."""
     for _, _, vertices, _, reservoirs in frames:
-        lit = reservoirs[:, 3].view(np.float32) > 0
-        bounces = np.where(lit, (reservoirs[:, 5] & 0xFF).astype(int) - 1, 0)
+        lit = reservoirs["ucw"] > 0
+        bounces = np.where(lit, (reservoirs["shape"] & 0xFF).astype(int) - 1, 0)
         assert lit.sum() > 300
         assert np.array_equal(valid(vertices["reuse.vertices"]).sum(-1), bounces)
 

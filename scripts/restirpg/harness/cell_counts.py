@@ -11,8 +11,9 @@ import numpy as np
 
 import restirpg
 from restirpg.harness.guiding import CELL, MEMORY, SUMS, VERTEX, GuidedGraph, header_of, is_valid, vertex_face
+from restirpg.records import constant
 
-KEY_BYTES = 8
+KEY_BYTES = constant("GUIDING_KEY_BYTES")
 BYTES = {
     "vertex": VERTEX.itemsize,
     "guide": KEY_BYTES + CELL.itemsize + MEMORY.itemsize,  # a cell's lobes, and what it remembers

@@ -9,43 +9,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from restirpg.harness import UserError
+from restirpg.records import constant, fields_of, record
 
-VERTEX = np.dtype([("position", "<u8"), ("direction", "<u4"), ("surface", "<u4")])
-SAMPLE = np.dtype(
-    [("position", "<u8"), ("direction", "<u4"), ("surface", "<u4"), ("weight", "<f4"), ("distance", "<f4")]
-)
-HEADER = np.dtype(
-    [
-        ("camera", "<f4", 3),
-        ("scale", "<f4"),
-        ("origin", "<f4", 3),
-        ("smallest", "<f4"),
-        ("capacity", "<u4"),
-        ("options", "<u4"),
-        ("cells", "<u4"),
-        ("collisions", "<u4"),
-        ("failed", "<u4"),
-        ("samples", "<u4"),
-        ("fitted", "<u4"),
-        ("guiding", "<u4"),
-        ("unused", "<u4", 4),
-    ]
-)
-SUMS = np.dtype([("lanes", "<i8", 16), ("strangest", "<u8"), ("bsdf", "<i8"), ("count", "<u4"), ("unused", "<u4")])
-PLACES = np.dtype([("lanes", "<i8", 7)])
-CELL = np.dtype(
-    [
-        ("lobes", [("direction", "<u4"), ("kappa", "<f4"), ("weight", "<f4")], 4),
-        ("age", "<u2"),
-        ("alpha", "<u2"),  # in 65535ths
-        ("samples", "<f4"),
-    ]
-)
-MEMORY = np.dtype([("sums", "<f4", 16), ("bsdf", "<f4"), ("count", "<f4"), ("places", "<f4", 7)])
+VERTEX = record("PathVertex", position="<u8")
+SAMPLE = record("GuidingSample", vertex=fields_of(VERTEX))
+HEADER = record("GuidingHeader", grid=fields_of(record("GuidingGrid")))
+SUMS = record("GuidingSums", lanes="<i8", bsdf="<i8")
+PLACES = record("GuidingPlaceSums", lanes="<i8")
+CELL = record("GuidingCell", state=[("age", "<u2"), ("alpha", "<u2")])  # alpha in 65535ths
+MEMORY = record("GuidingMemory")
 
-FINAL, LIGHT_SAMPLED = 1 << 16, 1 << 17  # of `surface`
-LEARNS_ALPHA = 4  # of a header's `options`
-LOBES = 4
+FINAL, LIGHT_SAMPLED = constant("VERTEX_FINAL"), constant("VERTEX_LIGHT_SAMPLED")  # of `surface`
+LEARNS_ALPHA = constant("GUIDING_ALPHA")  # of a header's `options`
+LOBES = constant("GUIDING_LOBES")
 
 
 def header_of(raw):
@@ -56,7 +32,7 @@ def header_of(raw):
 def read_table(raw, *records):
     """Header and {key: one record of each kind} of a buffer of the guiding grid's form."""
     header = header_of(raw)
-    capacity, at = int(header["capacity"]), HEADER.itemsize
+    capacity, at = int(header["capacity"]), constant("GUIDING_HEADER_BYTES")
     columns = []
     for dtype in (np.dtype("<u8"), *records):
         columns.append(raw[at : at + capacity * dtype.itemsize].view(dtype))

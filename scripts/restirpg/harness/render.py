@@ -44,7 +44,7 @@ def refusals():
 MEASURING = (
     "evaluate.py", "graph.py", "harness/cell_counts.py", "harness/denoised.py", "harness/equal_time.py", "harness/guide_maps.py",
     "harness/guiding.py", "harness/measure.py", "harness/motion.py", "harness/paper/figure_4.py", "harness/render.py",
-    "harness/tiles.py",
+    "harness/tiles.py", "records.py",
 )  # fmt: skip
 #: Environment variables that results depend on: whence shaders and passes are taken, and what slows a frame.
 #: RESTIRPG_PYTHON and RESTIRPG_BUILD decide what a graph's description and the package are, which count themselves;

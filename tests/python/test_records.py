@@ -1,0 +1,69 @@
+"""restirpg.records lays out every shared record as compiled kernels read it: offsets and sizes against SPIR-V's."""
+
+import re
+import subprocess
+
+import numpy as np
+import pytest
+from renderer_scenes import ROOT
+
+from restirpg import records
+
+SHADERS = ROOT / "framework" / "shaders"
+
+
+def compiled_layouts(folder):
+    """{record: ({member: offset}, size)} of a kernel that has an array of each record, from its disassembly."""
+    names = records.names()
+    headers = "".join(f'#include "{file.name}"\n' for file in sorted(SHADERS.glob("*_types.h")))
+    arrays = "".join(
+        f"layout(set = 0, binding = {n}, scalar) buffer Array{n} {{ {name} at[]; }} array{n};\n"
+        for n, name in enumerate(names)
+    )
+    uses = "".join(f"array{n}.at[0] = array{n}.at[1];\n" for n in range(len(names)))
+    kernel = folder / "records.comp"
+    kernel.write_text(
+        "#version 460\n#extension GL_GOOGLE_include_directive : require\n"
+        f'#include "prelude.glsl"\n{headers}{arrays}void main() {{\n{uses}}}\n'
+    )
+    options = ["-V", "--target-env", "vulkan1.2", f"-I{SHADERS}", f"-I{SHADERS.parent}", "-o", folder / "records.spv"]
+    done = subprocess.run(["glslangValidator", *options, kernel], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+    text = subprocess.run(
+        ["spirv-dis", "--raw-id", folder / "records.spv"], capture_output=True, text=True, check=True
+    ).stdout
+    members = {key: {} for key in re.findall(r"OpMemberDecorate (%\d+) \d+ Offset", text)}
+    for key, number, offset in re.findall(r"OpMemberDecorate (%\d+) (\d+) Offset (\d+)", text):
+        [name] = re.findall(rf'OpMemberName {key} {number} "(\w+)"', text)
+        members[key][name] = int(offset)
+    strides = dict(re.findall(r"OpDecorate (%\d+) ArrayStride (\d+)", text))
+    elements = dict(re.findall(r"(%\d+) = OpTypeRuntimeArray (%\d+)", text))
+    found = {}
+    for array, element in elements.items():
+        [name] = re.findall(rf'OpName {element} "(\w+)"', text)
+        found[name] = members[element], int(strides[array])
+    return found
+
+
+def test_every_record_lies_as_kernels_read_it(tmp_path):
+    found = compiled_layouts(tmp_path)
+    assert {"PathVertex", "GuidingSums", "PathReservoir", "LightReservoir"} <= found.keys() == set(records.names())
+    for name, (offsets, size) in found.items():
+        dtype = records.record(name)
+        assert ({key: dtype.fields[key][1] for key in dtype.names}, dtype.itemsize) == (offsets, size), name
+
+
+def test_constants_are_those_of_the_headers():
+    assert records.constant("GUIDING_LOBES") == 4 and records.constant("VERTEX_LIGHT_SAMPLED") == 1 << 17
+
+
+def test_a_view_keeps_the_layout():
+    seen = records.record("GuidingCell", state=[("age", "<u2"), ("alpha", "<u2")])
+    assert (
+        seen.names == ("lobes", "age", "alpha", "samples") and seen.itemsize == records.record("GuidingCell").itemsize
+    )
+    assert records.record("GuidingSums", lanes="<i8")["lanes"] == np.dtype(("<i8", (16,)))
+    with pytest.raises(AssertionError, match="state has 4 bytes"):
+        records.record("GuidingCell", state="<u8")
+    with pytest.raises(TypeError, match="no member age"):
+        records.record("GuidingCell", age="<u2")
