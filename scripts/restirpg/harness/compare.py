@@ -19,9 +19,9 @@ import time
 from pathlib import Path
 
 from restirpg import commands
-from restirpg.harness import UserError, analysis, files, program, render, report, selftest, tables
+from restirpg.harness import UserError, analysis, csv_files, files, printed, program, render, report, selftest
 from restirpg.harness.comparison import PATH_TRACER, Comparison, Settings
-from restirpg.harness.jobs import parse_method
+from restirpg.harness.jobs import made_from, parse_method
 from restirpg.harness.motion import Motion
 
 OUTPUTS = ("report.html", "tables.txt", "*.csv", "images/*.exr")  # below --out
@@ -142,28 +142,14 @@ def settings_from(options):
     frames = options.frames or (options.at[-1] if options.at else 32)
     if options.at and options.at[-1] > frames:
         raise UserError(f"--at asks for frame {options.at[-1]}, and --frames ends the runs after {frames}")
-    return Settings(
+    return made_from(
+        Settings,
+        options,
         methods=methods,
         scenes=tuple(options.scenes),
-        size=options.size,
         frames=frames,
-        seeds=options.seeds,
-        base_seed=options.base_seed,
-        bounces=options.bounces,
-        environment=options.environment,
-        allow_outside=options.allow_outside,
-        energy_compensation=options.energy_compensation,
-        camera=options.camera,
-        reference=options.reference,
-        reference_graph=options.reference_graph,
         reference_frames=options.reference_frames or 32 * frames,
-        reference_batches=options.reference_batches,
         motion=Motion(options.circle, options.fps) if options.circle or options.fps else None,
-        at=options.at,
-        denoise=options.denoise,
-        tiles=options.tiles,
-        tile_size=options.tile_size,
-        equal_frame_time=options.equal_frame_time,
     )
 
 
@@ -181,12 +167,12 @@ def compare(options, cache, pool, display):
     ):
         print(f"device: {device}")
     findings = analysis.analyse(comparison.run())
-    text = tables.as_text(findings)
+    text = printed.as_text(findings)
     files.write(out / "tables.txt", text)
-    tables.write_csv(findings, out)
+    csv_files.write_csv(findings, out)
     report.write_pictures(findings, out / "images")
     report.write(findings, settings, comparison, out / "report.html")
-    print(tables.in_brief(findings) if options.brief else text)
+    print(printed.in_brief(findings) if options.brief else text)
     for failure in comparison.failures:
         print(f"failed: {failure}", file=sys.stderr)
     print(

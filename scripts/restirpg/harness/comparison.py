@@ -2,14 +2,15 @@
 
 import json
 import os
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 import restirpg
 from restirpg.harness import UserError, denoised, equal_time, measure, reference, render, scenes, tiles
-from restirpg.harness.jobs import Job, Method, digest, file_name, seed_of, without_places
+from restirpg.harness.collected import SceneRuns, warnings_of, with_knobs
+from restirpg.harness.jobs import Job, Method, digest, file_name, made_from, seed_of, without_places
 from restirpg.harness.motion import Motion
 
 PATH_TRACER = os.path.relpath(f"{restirpg.GRAPHS}/path_tracer.py")  # from any folder
@@ -41,22 +42,6 @@ class Settings:
     tiles: int = 0  # that errors are measured in, see tiles.py; 0: the whole picture
     tile_size: int = 24  # their side, pixels
     equal_frame_time: str | None = None  # the knob, see equal_time.py
-
-
-@dataclass
-class SceneRuns:
-    """Everything measured on one scene."""
-
-    scene: str
-    reference: dict  # of the last measured frame
-    runs: dict  # method label -> results by seed, only of seeds that all methods finished
-    descriptions: dict  # method label -> graph description with the knobs as they were
-    warnings: list = field(default_factory=list)
-    at: tuple = ()  # as in Settings
-    noise: tuple = ()  # reference.noise() of each frame of `at`
-    denoised: dict = field(default_factory=dict)  # method label -> denoised.of_runs(); empty: not asked for
-    without: dict = field(default_factory=dict)  # of tiles: tiles.reference_errors()
-    brackets: dict = field(default_factory=dict)  # at equal frame time: method label -> equal_time.Bracket
 
 
 class Comparison:
@@ -103,26 +88,24 @@ class Comparison:
         self.display.start(len(settings.scenes) * len(self._all_methods()), "checked")
         for scene in settings.scenes:
             facts = scenes.facts(self._pool, scene, settings.camera, settings.environment, settings.allow_outside)
-            base = Job(
+            base = made_from(
+                Job,
+                settings,
                 scene=scene,
                 scene_hash=facts.hash,
                 graph="",
                 description="",
-                size=settings.size,
                 frames=settings.at[-1] if settings.at else settings.frames,
                 seed=0,
                 code=code,
-                environment=settings.environment,
-                allow_outside=settings.allow_outside,
-                camera=settings.camera,
-                energy_compensation=settings.energy_compensation,
                 bounces=facts.bounces(settings.bounces),
-                motion=settings.motion,
-                at=settings.at,
+                reference=None,
                 tiles=self.corners,
                 tile=settings.tile_size if self.corners else 0,
             )
-            jobs = [self._job(base, method, descriptions[method.graph]) for method in self._all_methods()]
+            jobs = [
+                replace(base, description=descriptions[method.graph], **vars(method)) for method in self._all_methods()
+            ]
             self.plans.append(self._plan(facts, jobs, self._probe(jobs)))
         self.display.stop()
 
@@ -130,19 +113,6 @@ class Comparison:
         """The methods, and last the reference's graph unless the reference is a file."""
         own = [] if self.settings.reference else [Method("reference", self.settings.reference_graph)]
         return [*self.settings.methods, *own]
-
-    @staticmethod
-    def _job(base, method, description):
-        return replace(
-            base,
-            graph=method.graph,
-            description=description,
-            knobs=method.knobs,
-            output=method.output,
-            device=method.device,
-            backend=method.backend,
-            label=method.label,
-        )
 
     def _probe(self, jobs):
         """The knobs and device of each job, from the cache or a worker."""
@@ -369,30 +339,7 @@ class Comparison:
         if finished and len(seeds) < self.settings.seeds:
             left_out = self.settings.seeds - len(seeds)
             warnings.append(f"{left_out} of {self.settings.seeds} seeds are left out: a run failed")
-        everything = [result["meta"] for by_seed in runs.values() for result in by_seed]
-        devices = {", ".join(meta["device"].values()) for meta in everything}
-        if len(devices) > 1:
-            warnings.append(f"times are those of several devices: {'; '.join(sorted(devices))}")
-        if any(meta.get("at_a_time", 1) > 1 for meta in everything):
-            warnings.append("some runs were not alone (--jobs): they took longer than they would have")
-        for label, by_seed in runs.items():
-            if invalid := int(sum(result["invalid"].sum() for result in by_seed)):
-                warnings.append(
-                    f"{label}: NaN or infinite pixels, {invalid} in all measured pictures: left out of its "
-                    "errors, black in its pictures"
-                )
-            if dropped := sum(result["meta"]["dropped"] for result in by_seed):
-                warnings.append(
-                    f"{label}: {dropped} samples were NaN, infinite or beyond 1e30 and left out of its pictures: "
-                    "its mean is wrong where they were"
-                )
-        if invalid := truth["meta"].get("invalid"):
-            fate = "of its batches count as black" if truth["meta"]["batches"] else "are left out of errors"
-            warnings.append(f"reference: {invalid} NaN or infinite pixels {fate}")
-        if dropped := truth["meta"].get("dropped"):
-            warnings.append(
-                f"reference: {dropped} samples were NaN, infinite or beyond 1e30 and left out: it is wrong where they were"
-            )
+        warnings += warnings_of(runs, truth)
         return SceneRuns(
             plan["scene"],
             truth,
@@ -443,9 +390,3 @@ def _with_knob(knobs, path, value):
     """The knobs by pass with the one of that path set."""
     name, _, own = path.partition(".")
     return {**knobs, name: {**knobs[name], own: value}}
-
-
-def with_knobs(description, knobs):
-    """The description with every knob's actual value, defaults too."""
-    passes = [{**entry, "knobs": knobs.get(entry["name"], entry.get("knobs", {}))} for entry in description["passes"]]
-    return {**description, "passes": passes}

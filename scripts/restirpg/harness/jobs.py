@@ -5,7 +5,7 @@ import functools
 import hashlib
 import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +25,12 @@ LATER_FIELDS = (
     "tile",
     "windows",
 )  # of a Job; see Job.key
+
+
+def made_from(kind, source, **changes):
+    """A dataclass of that kind: `changes`, and whatever else `source` calls as `kind` does."""
+    names = {each.name for each in fields(kind) if hasattr(source, each.name)} - changes.keys()
+    return kind(**{name: getattr(source, name) for name in names}, **changes)
 
 
 @dataclass(frozen=True)

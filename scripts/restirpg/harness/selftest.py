@@ -14,7 +14,8 @@ import numpy as np
 from restirpg.harness import UserError, analysis, render, scenes
 from restirpg.harness import reference as references
 from restirpg.harness import statistics as st
-from restirpg.harness.comparison import Comparison, SceneRuns, cost
+from restirpg.harness.collected import SceneRuns
+from restirpg.harness.comparison import Comparison, cost
 from restirpg.harness.jobs import Job, Method, parse_method, seed_of
 
 SIZE = (32, 32)

@@ -1,15 +1,8 @@
-"""Findings as rows of text: for the terminal, the CSV files and the report."""
+"""Findings as rows of text: for the terminal and the report."""
 
-import csv
-import io
 import math
-from pathlib import Path
 
-import rich.box
-from rich.console import Console
-from rich.table import Table
-
-from restirpg.harness import equal_time, files
+from restirpg.harness import equal_time
 from restirpg.harness import statistics as st
 from restirpg.harness.analysis import METRICS, SETTLED
 
@@ -122,7 +115,7 @@ def equal_tables(scene):
     return tables
 
 
-def _test_of(scene, frame):
+def test_of(scene, frame):
     """The name that the tests of a measured frame have."""
     return "frame" if frame == scene.at[-1] else frame
 
@@ -138,7 +131,7 @@ def _single_frame_tables(scene):
             for method in scene.methods:
                 row.append(with_error(*error_of(method, metric, frame), scale, unit))
                 if method is not baseline:
-                    text = verdict(method, baseline, metric, _test_of(scene, frame))
+                    text = verdict(method, baseline, metric, test_of(scene, frame))
                     row.append(text if is_significant(text) else text.split()[0] if text[0] == "×" else "—")
             rows.append(row)
         header = ["frame", baseline.label]
@@ -233,7 +226,7 @@ def verdict_sentence(scene):
     if not others:
         return ""
     ways = (
-        {_test_of(scene, scene.at[-1]): f"in frame {scene.at[-1]}"}
+        {test_of(scene, scene.at[-1]): f"in frame {scene.at[-1]}"}
         if scene.at
         else {"single": "in single frames", "time": "at equal time"}
     )
@@ -321,232 +314,3 @@ def reference_line(scene):
 def all_tables(scene):
     """[(title, header, rows)] of everything that is told of a scene."""
     return [*error_tables(scene), *denoised_tables(scene), quality_table(scene)]
-
-
-def as_text(findings, width=None):
-    """The tables of all scenes for a terminal; the same findings give the same text."""
-    stream = io.StringIO()
-    console = Console(file=stream, width=width or 170)
-    for scene in findings:
-        console.print(f"\n{scene.scene}  ({scene.seeds} {scene.unit}s)", style="bold", highlight=False)
-        if sentence := verdict_sentence(scene):
-            console.print(sentence, highlight=False)
-        console.print(reference_line(scene), highlight=False)
-        for warning in scene.warnings:
-            console.print(f"warning: {warning}", highlight=False)
-        for title, header, rows in all_tables(scene):
-            table = Table(title=title, box=rich.box.SIMPLE_HEAD, title_justify="left")
-            for number, name in enumerate(header):
-                table.add_column(name, justify="left" if number == 0 else "right", overflow="fold")
-            for row in rows:
-                table.add_row(*row)
-            console.print(table, highlight=False)
-    level = f"{100 * st.LEVEL:.0f}%"
-    unit = findings[0].unit if findings else "seed"
-    console.print(
-        f"Errors are ± one standard error over {unit}s. Tests are paired by {unit}; "
-        f"words are at {level} over all methods and scenes (Holm).",
-        highlight=False,
-    )
-    return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
-
-
-def in_brief(findings):
-    """The verdict of each scene and one table of at most 80 columns."""
-    stream = io.StringIO()
-    console = Console(file=stream, width=80)
-    for scene in findings:
-        console.print(f"\n{scene.scene}, {scene.seeds} seeds", style="bold", highlight=False)
-        if sentence := verdict_sentence(scene):
-            console.print(sentence, highlight=False)
-        mode = _test_of(scene, scene.at[-1]) if scene.at else "single"
-        columns = [(f"frame {scene.at[-1]}" if scene.at else "one frame", "mape", mode)]
-        columns += [] if scene.at else [("equal time", "mape", "time")]
-        columns += [("denoised", "denoised", "frame")] if scene.methods[0].denoised else []
-        table = Table(box=rich.box.SIMPLE_HEAD)
-        table.add_column("method", overflow="fold")
-        for title, _, _ in columns:
-            table.add_column(title, justify="right", no_wrap=True)
-        table.add_column("ms/frame", justify="right", no_wrap=True)
-        for method in scene.methods:
-            cells = [_short(method, metric, kind) for _, metric, kind in columns]
-            table.add_row(method.label, *cells, f"{st.mean_se(method.gpu_ms[:, -1] / method.frames[-1])[0]:.0f}")
-        console.print(table, highlight=False)
-    console.print(
-        f"Errors (MAPE) ± one standard error over seeds; * differs from the first method ({100 * st.LEVEL:.0f}% over all tests).",
-        highlight=False,
-    )
-    return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
-
-
-def _short(method, metric, mode):
-    """An error in percent to one place, with a star where the method was told apart from the first."""
-    value, error = (100 * number for number in error_of(method, metric, mode))
-    mark = "*" if method.adjusted.get((metric, mode), 1) < st.LEVEL else " "
-    return "—" if math.isnan(value) else f"{value:.1f} ± {error:.1f}% {mark}"
-
-
-def _write(path, header, rows):
-    stream = io.StringIO(newline="")
-    writer = csv.writer(stream)
-    writer.writerow(header)
-    writer.writerows(rows)
-    files.write(path, stream.getvalue())
-
-
-def write_csv(findings, folder):
-    """Write runs.csv (every seed and measured frame) and summary.csv (every method) into `folder`.
-
-    Where single frames are measured, frames.csv too: every method and frame. Where they are measured in tiles,
-    tiles.csv too: every method, all frames together; `seed` counts tiles in runs.csv. Errors after denoising are in
-    denoised.csv alone.
-    """
-    folder = Path(folder)
-    if any(scene.at for scene in findings):
-        _write_frames(findings, folder / "frames.csv")
-    if any(method.denoised for scene in findings for method in scene.methods):
-        _write_denoised(findings, folder / "denoised.csv")
-    if any(scene.brackets for scene in findings):
-        _write_equal_time(findings, folder / "equal_time.csv")
-    if any(scene.unit == "tile" for scene in findings):
-        _write_tiles(findings, folder / "tiles.csv")
-    names = ("mape", "relmse", "bias")
-    rows = [
-        [
-            scene.scene,
-            method.label,
-            seed,
-            int(frame),
-            *(f"{method.curves[name][seed, at]:.9g}" for name in names),
-            f"{method.gpu_ms[seed, at]:.6g}",
-            f"{method.wall_ms[seed, at]:.6g}",
-        ]
-        for scene in findings
-        for method in scene.methods
-        for seed in range(scene.seeds)
-        for at, frame in enumerate(method.frames)
-    ]
-    _write(folder / "runs.csv", ["scene", "method", "seed", "frame", *names, "gpu_ms", "wall_ms"], rows)
-    header, rows = ["scene", "method", "common_gpu_ms"], []
-    for mode in ("frame", "time"):
-        for metric in METRICS:
-            header += [f"{metric}_{mode}", f"{metric}_{mode}_se", f"{metric}_{mode}_p"]
-    header += [
-        "mape_single",
-        "mape_single_se",
-        "mape_single_p",
-        "bias",
-        "bias_se",
-        "bias_p",
-        "detectable_bias",
-        "blocks_p",
-        "spatial_frame",
-        "spatial_frame_se",
-        "spatial_image",
-        "spatial_image_se",
-        "temporal",
-        "temporal_se",
-    ]
-    for scene in findings:
-        for method in scene.methods:
-            row = [scene.scene, method.label, f"{scene.common_ms:.6g}"]
-            for mode, values in (("frame", method.equal_frame), ("time", method.equal_time)):
-                for metric in METRICS:
-                    row += [*values[metric], method.adjusted.get((metric, mode), float("nan"))]
-            row += [*st.mean_se(method.single), method.adjusted.get(("mape", "single"), float("nan"))]
-            row += [
-                method.bias.difference,
-                method.bias.se,
-                method.adjusted["bias"],
-                method.bias.smallest_detectable(scene.bias_tests),
-                method.adjusted["blocks"],
-                *method.spatial_frame,
-                *method.spatial_image,
-                *method.temporal,
-            ]
-            rows.append([value if isinstance(value, str) else f"{float(value):.9g}" for value in row])
-    _write(folder / "summary.csv", header, rows)
-
-
-def _write_denoised(findings, file):
-    """MAPE after denoising of every seed's last frame and mean of all frames."""
-    rows = [
-        [scene.scene, method.label, seed, *(f"{method.denoised[kind][seed]:.9g}" for kind in ("frame", "image"))]
-        for scene in findings
-        for method in scene.methods
-        if method.denoised
-        for seed in range(scene.seeds)
-    ]
-    _write(file, ["scene", "method", "seed", "mape_denoised_frame", "mape_denoised_image"], rows)
-
-
-def _write_equal_time(findings, file):
-    """Single frames' MAPE at equal frame time, with the knob's value and the ratios of frame times that it lies
-    between."""
-    header = ["scene", "method", "setting", "ratio_below", "ratio_above", "mape", "mape_se", "change", "change_se", "p"]
-    rows = []
-    for scene in findings:
-        for own in equal_time.compare(scene.brackets, scene.methods):
-            ratios = scene.brackets[own.label].ratios if own.label in scene.brackets else (1, 1)
-            numbers = [*ratios, *st.mean_se(own.values), own.ratio[0] - 1, own.ratio[1], own.p]
-            rows.append([scene.scene, own.label, own.setting, *(f"{float(value):.9g}" for value in numbers)])
-    _write(file, header, rows)
-
-
-def _write_tiles(findings, file):
-    """MAPE over all measured frames, and its change from the first method's, with both standard errors."""
-    header = [
-        "scene",
-        "method",
-        "tiles",
-        "frames",
-        "mape",
-        "mape_se",
-        "mape_reference_se",
-        "change",
-        "change_se",
-        "change_reference_se",
-        "p",
-        "gpu_ms",
-        "wall_ms",
-    ]
-    rows = []
-    for scene in findings:
-        for method in scene.methods:
-            own, against = scene.reference_se.get(method.label, (math.nan, math.nan))
-            quotient, se = st.ratio(method.single, scene.methods[0].single)
-            numbers = [
-                *st.mean_se(method.single),
-                own,
-                quotient - 1,
-                se,
-                against,
-                method.adjusted.get(("mape", "single"), math.nan),
-            ]
-            times = [float(each[:, -1].mean() / method.frames[-1]) for each in (method.gpu_ms, method.wall_ms)]
-            rows.append(
-                [
-                    scene.scene,
-                    method.label,
-                    scene.seeds,
-                    len(scene.at),
-                    *(f"{float(value):.9g}" for value in numbers + times),
-                ]
-            )
-    _write(file, header, rows)
-
-
-def _write_frames(findings, file):
-    """Errors of single frames: mean and standard error over seeds, corrected p against the first method."""
-    header = ["scene", "method", "frame"]
-    header += [name for metric in METRICS for name in (metric, f"{metric}_se", f"{metric}_p")]
-    rows = []
-    for scene in findings:
-        for method in scene.methods:
-            for frame in scene.at:
-                row = [scene.scene, method.label, frame]
-                for metric in METRICS:
-                    p = method.adjusted.get((metric, _test_of(scene, frame)), float("nan"))
-                    row += [f"{float(value):.9g}" for value in (*error_of(method, metric, frame), p)]
-                rows.append([*row, *(f"{float(value):.9g}" for value in error_of(method, "bias", frame))])
-    _write(file, [*header, "bias", "bias_se"], rows)

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import restirpg
-from restirpg.harness import UserError, analysis, files, render, report, scenes, tables
+from restirpg.harness import UserError, analysis, csv_files, files, render, report, scenes
 from restirpg.harness.comparison import PATH_TRACER, Comparison, Settings
-from restirpg.harness.jobs import Call, Method, without_places
+from restirpg.harness.jobs import Call, Method, made_from, without_places
 
 GRAPHS = os.path.relpath(restirpg.GRAPHS)  # from any folder
 
@@ -100,17 +100,11 @@ class Paper:
 
     def settings(self, study):
         """The study as the harness's Settings."""
-        size = self.size
-        settings = Settings(
+        settings = made_from(
+            Settings,
+            self.size,
             methods=study.methods,
             scenes=tuple(self.file(scene) for scene in study.scenes),
-            size=size.size,
-            frames=size.frames,
-            seeds=size.seeds,
-            reference_frames=size.reference_frames,
-            reference_batches=size.reference_batches,
-            reference_graph=size.reference_graph,
-            bounces=size.bounces,
             allow_outside=self.allow_outside,
         )
         return replace(settings, **dict(study.changes))
@@ -127,7 +121,7 @@ class Paper:
         results = self._results[study]
         if folder:
             files.make_folder(self.out / folder, "--out")
-            tables.write_csv(results.findings, self.out / folder)
+            csv_files.write_csv(results.findings, self.out / folder)
             report.write_pictures(results.findings, self.out / folder)
         return results
 
