@@ -4,23 +4,12 @@ framework/shaders/path_reservoir_types.h, light_reservoir_types.h and path_verte
 import numpy as np
 
 from restirpg.harness import guiding
+from restirpg.records import fields_of, record
 
 from . import camera
 
-PATH = np.dtype([
-    ("f", "<f4", 3), ("ucw", "<f4"), ("confidence", "<f4"), ("shape", "<u4"), ("labels", "<u4"), ("pixel", "<u4"),
-    ("frame", "<u4"), ("prefix", "<u4", 4), ("sharp_pdf", "<f4"), ("anchor", "<u4", 2), ("place", "<f4", 2),
-    ("direction", "<u4"), ("geometry", "<f4"), ("suffix", "<f4", 3)])  # fmt: skip
-LIGHT = np.dtype(
-    [
-        ("instance", "<u4"),
-        ("index", "<u4"),
-        ("place", "<f4", 2),
-        ("ucw", "<f4"),
-        ("confidence", "<f4"),
-        ("target", "<f4"),
-    ]
-)
+PATH = record("PathReservoir")
+LIGHT = record("LightReservoir", point=fields_of(record("LightPoint")))
 _NONE = 0xFFFFFFFF
 _LABELS = ("smooth", "sharp reflection", "sharp transmission")
 _ARROW = 0.25  # of a vertex's distance from the camera: length of the last edge, whose end is not stored
