@@ -150,6 +150,8 @@ class Stage {
             context.beginPath();
             context.arc(...at(point), 4, 0, 2 * Math.PI);
             context.fill();
+            context.strokeStyle = "#000";  // an outline, so that the number is read on any colour
+            context.strokeText(`x${path.bounces[i]}`, at(point)[0] + 6, at(point)[1] - 6);
             context.fillText(`x${path.bounces[i]}`, at(point)[0] + 6, at(point)[1] - 6);
         });
         context.restore();
