@@ -3,12 +3,12 @@
 #version 460
 #include "prelude.glsl"
 #include "merge.glsl"
+#include "short_list.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { ReuseParameters params; };
 
-/// Neighbour i of the pixel, if there is one. Called again where it is needed, for an array of neighbours, indexed at run time, is slow on
-/// CPU devices.
+/// Neighbour i of the pixel, if there is one.
 bool find_neighbour(uvec2 at, Appearance centre, uint i, out uint pixel)
 {
     NeighbourRules rules = NeighbourRules(disk_radius(params.radius, params.leastRadius), params.pool, params.normalThreshold, params.depthThreshold);
@@ -18,37 +18,44 @@ bool find_neighbour(uvec2 at, Appearance centre, uint i, out uint pixel)
     return draw_neighbour(params.surface, at, centre, rules, random2(reuse_key(at), spatial_round(params.round), 2u * i), pixel, there);
 }
 
-/// Confidence of all neighbours; `count`: how many there are.
-float neighbours_confidence(uvec2 at, Appearance centre, out uint count)
+/// The pixels that a pixel merges with, INVALID_INDEX in place of one that was not found.
+struct Neighbours {
+    ShortList pixels;
+    float confidence;  ///< of all together
+    bool any;
+};
+
+Neighbours find_neighbours(uvec2 at)
 {
-    float sum = 0.0;
-    count = 0u;
+    Appearance centre = load_appearance(params.surface, at.y * frame.c.size.x + at.x);
+    Neighbours found = Neighbours(ShortList(uvec4(0u), uvec4(0u), uvec4(0u), uvec4(0u)), 0.0, false);
     for (uint i = 0u; i < params.neighbours; ++i) {
         uint pixel;
-        if (!find_neighbour(at, centre, i, pixel))
-            continue;
-        sum += PathReservoirArray(params.source).at[pixel].confidence;
-        ++count;
+        if (find_neighbour(at, centre, i, pixel)) {
+            found.confidence += PathReservoirArray(params.source).at[pixel].confidence;
+            found.any = true;
+        } else {
+            pixel = INVALID_INDEX;
+        }
+        list_set(found.pixels, i, pixel);
     }
-    return sum;
+    return found;
 }
 
-Choice merge_neighbours(uvec2 at, Hit hit, Appearance centre, Choice kept, float others)
+Choice merge_neighbours(uvec2 at, Hit hit, Neighbours neighbours, Choice kept)
 {
     PathReservoir own = kept.path;
     uint owner = kept.owner;
     ShadingPoint here = load_domain(hit, false);
+    float others = neighbours.confidence;
     float total = own.confidence + others;
     float own_weight = own.confidence / total;
     // Of each neighbour two shifts: the centre's path there, the neighbour's path here. One place calls the shift, for compilers copy
     // its code to each.
-    bool found = false;
-    uint pixel = 0u;
     [[dont_unroll]] for (uint i = 0u; i < 2u * params.neighbours; ++i) {
         bool outwards = (i & 1u) == 0u;
-        if (outwards)
-            found = find_neighbour(at, centre, i / 2u, pixel);
-        if (!found)
+        uint pixel = list_get(neighbours.pixels, i / 2u);
+        if (pixel == INVALID_INDEX)
             continue;
         PathReservoir y = PathReservoirArray(params.source).at[pixel];
         float part = y.confidence / total;
@@ -85,11 +92,9 @@ void main()
     Hit hit = primary_hit(params.surface, pixel);
     Choice kept = Choice(PathReservoirArray(params.source).at[pixel], 0.0, pixel);
     if (hit.instance != INVALID_INDEX) {
-        Appearance centre = load_appearance(params.surface, pixel);
-        uint count;
-        float others = neighbours_confidence(at, centre, count);
-        if (count > 0u)
-            kept = merge_neighbours(at, hit, centre, kept, others);
+        Neighbours neighbours = find_neighbours(at);
+        if (neighbours.any)
+            kept = merge_neighbours(at, hit, neighbours, kept);
     }
     PathReservoirArray(params.reservoirs).at[pixel] = kept.path;
     write_origin(params.origins, pixel, origin_of(params.originSource, kept.owner));
