@@ -10,6 +10,7 @@
 
 #include "Shared.h"
 #include "light_reservoir.glsl"
+#include "short_list.glsl"
 
 // First addresses of what the numbers decide; candidate i has address i.
 const uint RANDOM_RESAMPLING = 11u;  ///< dimension of a candidate: is it kept?
@@ -38,8 +39,8 @@ struct Merge {
     Domain centre;
     LightReservoir own;  ///< the centre's
     uint count;  ///< neighbours
-    uint pixel[MAX_NEIGHBOURS];
-    float confidence[MAX_NEIGHBOURS];
+    ShortList pixels;
+    ShortList confidences;  ///< floats
     float total;  ///< confidence of all participants
     Address surfaces;  ///< PrimaryHit per pixel of the neighbours' frame
     LightReservoirArray reservoirs;  ///< of the neighbours
@@ -58,10 +59,20 @@ void begin_merge(Domain centre, LightReservoir own)
 
 void add_neighbour(uint pixel, float confidence)
 {
-    merge.pixel[merge.count] = pixel;
-    merge.confidence[merge.count] = confidence;
+    list_set(merge.pixels, merge.count, pixel);
+    list_set(merge.confidences, merge.count, floatBitsToUint(confidence));
     merge.count += 1u;
     merge.total += confidence;
+}
+
+uint neighbour_pixel(uint j)
+{
+    return list_get(merge.pixels, j);
+}
+
+float neighbour_confidence(uint j)
+{
+    return uintBitsToFloat(list_get(merge.confidences, j));
 }
 
 /// The domain of a pixel of this frame or the one before, by its primary hit.
@@ -95,7 +106,7 @@ float target_at_centre(LightPoint y)
 
 float target_at_neighbour(uint j, LightPoint y)
 {
-    return evaluate_target(load_domain(primary_hit(merge.surfaces, merge.pixel[j]), merge.previous), y);
+    return evaluate_target(load_domain(primary_hit(merge.surfaces, neighbour_pixel(j)), merge.previous), y);
 }
 
 /// Generalised balance heuristic: confidence times target, over the sum of that of all participants. `own`: the
@@ -107,7 +118,7 @@ float balance_weight(float own, float here, uint holder, LightPoint y)
         sum += merge.own.confidence * here;
     for (uint j = 0u; j < merge.count; ++j)
         if (j != holder)
-            sum += merge.confidence[j] * target_at_neighbour(j, y);
+            sum += neighbour_confidence(j) * target_at_neighbour(j, y);
     return own / sum;
 }
 
@@ -122,8 +133,8 @@ float pairwise_share(float there, float here)
 float neighbour_weight(uint j, LightPoint y, float there, float here)
 {
     if (merge.pairwise)
-        return merge.confidence[j] / merge.total * pairwise_share(there, here);
-    return balance_weight(merge.confidence[j] * there, here, j, y);
+        return neighbour_confidence(j) / merge.total * pairwise_share(there, here);
+    return balance_weight(neighbour_confidence(j) * there, here, j, y);
 }
 
 /// MIS weight of the centre for its point y, of target `here` (> 0). Pairwise: its own part, and what each neighbour
@@ -134,7 +145,7 @@ float centre_weight(LightPoint y, float here)
         return balance_weight(merge.own.confidence * here, here, CENTRE, y);
     float weight = merge.own.confidence / merge.total;
     for (uint j = 0u; j < merge.count; ++j)
-        weight += merge.confidence[j] / merge.total * (1.0 - pairwise_share(target_at_neighbour(j, y), here));
+        weight += neighbour_confidence(j) / merge.total * (1.0 - pairwise_share(target_at_neighbour(j, y), here));
     return weight;
 }
 
@@ -147,7 +158,7 @@ LightReservoir merge_reservoirs(RandomKey key, uint round)
     if (merge.own.ucw > 0.0)
         sum = centre_weight(kept.point, kept.target) * kept.target * kept.ucw;
     for (uint j = 0u; j < merge.count; ++j) {
-        LightReservoir r = merge.reservoirs.at[merge.pixel[j]];
+        LightReservoir r = merge.reservoirs.at[neighbour_pixel(j)];
         float here = r.ucw > 0.0 ? target_at_centre(r.point) : 0.0;
         if (here <= 0.0)
             continue;

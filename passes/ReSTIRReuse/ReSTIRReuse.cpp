@@ -46,6 +46,9 @@ public:
         io.knob("pool", pool_, 1, MAX_REUSE_POOL,
                 "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one "
                 "that is drawn, as published");
+        io.knob("reciprocal", reciprocal_,
+                "pair pixels, so that each shift serves both: half the shifts of spatial reuse; needs pool=1");
+        io.structural();
         io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
         io.knob("least_radius", leastRadius_, 1, 1000, "least radius of the disk, in pixels of the rendered image");
         io.knob("normal_threshold", normalThreshold_, -1, 1,
@@ -56,6 +59,9 @@ public:
 
     void check() const override
     {
+        if (reciprocal_ && pool_ > 1)
+            fail("reciprocal=true pairs pixels, pool={} chooses them one by one; set one of the two to its default",
+                 pool_);
         if (vertices_ && (!candidateVertices_ || (history_ && !historyVertices_)))
             fail("the output 'vertices' needs candidate_vertices and, with history, history_vertices; wire them");
         if (vertices_ && historyVertices_ && historyVertices_.pixelBytes() != candidateVertices_.pixelBytes())
@@ -68,7 +74,9 @@ public:
     {
         device_ = &device;
         temporalKernel_ = Kernel(device, passFile("Temporal.comp"), {}, {}, compileIf(temporal_ && history_));
-        spatialKernel_ = Kernel(device, passFile("Spatial.comp"), {}, {}, compileIf(rounds_ > 0));
+        imagesKernel_ = Kernel(device, passFile("Images.comp"), {}, {}, compileIf(rounds_ > 0 && reciprocal_));
+        spatialKernel_ = Kernel(device, passFile("Spatial.comp"), {{"RECIPROCAL", reciprocal_ ? "1" : "0"}}, {},
+                                compileIf(rounds_ > 0));
         shadeKernel_ = Kernel(device, passFile("Shade.comp"), {}, {}, compileIf(bool(radiance_)));
         if (vertices_)
             verticesKernel_ = Kernel(device, passFile("Vertices.comp"));
@@ -87,6 +95,11 @@ public:
         }
         for (parameters.round = 0; parameters.round < rounds_; ++parameters.round) {
             setDestination(parameters, frame, --stage);
+            if (reciprocal_) {
+                parameters.images =
+                    scratch(images_, uint64_t(frame.width()) * frame.height() * neighbours_ * sizeof(PathImage));
+                frame.dispatchPixels(imagesKernel_, parameters);
+            }
             frame.dispatchPixels(spatialKernel_, parameters);
             takeAsSource(parameters);
         }
@@ -155,13 +168,14 @@ private:
     uint32_t rounds_ = 1;
     uint32_t neighbours_ = 3;
     uint32_t pool_ = 1;
+    bool reciprocal_ = false;
     float radius_ = 20;
     float leastRadius_ = 3;
     float normalThreshold_ = 0.5f;
     float depthThreshold_ = 0.1f;
     Device* device_ = nullptr;
-    Buffer scratch_[3], originScratch_[2];
-    Kernel temporalKernel_, spatialKernel_, shadeKernel_, verticesKernel_;
+    Buffer scratch_[3], originScratch_[2], images_;
+    Kernel temporalKernel_, imagesKernel_, spatialKernel_, shadeKernel_, verticesKernel_;
 };
 
 }  // namespace restirpg

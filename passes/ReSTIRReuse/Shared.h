@@ -25,6 +25,17 @@ struct ReuseParameters {
     uint pool;  ///< pixels that a neighbour is chosen from; 1: each neighbour is drawn uniformly
     uint round;
     float leastRadius;  ///< of that disk, pixels of this image
+    Address images;  ///< PathImage, one per pixel and partner; 0: pixels are not paired
+};
+
+/// What a path's image in another pixel does not share with the path. 40 bytes.
+struct PathImage {
+    vec3 f;
+    float geometry;
+    float sharpPdf;
+    float jacobian;  ///< of the shift; 0: there is no image
+    uvec2 anchor;
+    vec2 place;
 };
 
 struct ReuseVerticesParameters {

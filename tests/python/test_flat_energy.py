@@ -25,8 +25,9 @@ SETTINGS = [
     {"rounds": 1, "neighbours": 6, "cap": 100.0},
     {"rounds": 3, "neighbours": 2, "cap": 1.0},
     {"rounds": 4, "neighbours": 6, "cap": 20.0},
+    {"rounds": 2, "neighbours": 4, "reciprocal": True},
 ]
-DEFAULTS = {"temporal": True, "neighbours": 3, "cap": 20.0}
+DEFAULTS = {"temporal": True, "reciprocal": False, "neighbours": 3, "cap": 20.0}
 
 
 def resampled(accumulate):

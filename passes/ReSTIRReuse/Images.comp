@@ -1,0 +1,36 @@
+// The image that the path of each of a pixel's partners has in this pixel. A shift is made once, and serves both pixels: the one as a path
+// to take, the other as its own path's target there.
+#version 460
+#include "prelude.glsl"
+#include "Shared.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform Push { ReuseParameters params; };
+
+#define RECIPROCAL 1
+#include "participants.glsl"
+
+void main()
+{
+    frame = FrameRef(params.frame);
+    uvec2 at = gl_GlobalInvocationID.xy;
+    if (any(greaterThanEqual(at, frame.c.size)))
+        return;
+    uint pixel = at.y * frame.c.size.x + at.x;
+    Hit hit = primary_hit(params.surface, pixel);
+    if (hit.instance == INVALID_INDEX)
+        return;
+    Neighbours neighbours = find_neighbours(at);
+    ShadingPoint here = load_domain(hit, false);
+    [[dont_unroll]] for (uint i = 0u; i < params.neighbours; ++i) {
+        uint partner = list_get(neighbours.pixels, i);
+        if (partner == INVALID_INDEX)
+            continue;
+        PathReservoir shifted;
+        float jacobian;
+        if (!shift_to(PathReservoirArray(params.source).at[partner], here, shifted, jacobian))
+            jacobian = 0.0;
+        PathImageArray(params.images).at[pixel * params.neighbours + i] =
+            PathImage(shifted.f, shifted.geometry, shifted.sharpPdf, jacobian, shifted.anchor, shifted.place);
+    }
+}
