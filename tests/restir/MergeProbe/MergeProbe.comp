@@ -10,8 +10,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Vec2Array { 
 /// The target that the kernel of pixel j's own frame stores with a point that it holds.
 float stored_target(uint j, LightPoint y)
 {
-    Surface today = load_surface(primary_hit(merge.surfaces, merge.pixel[j]), false);
-    Surface then = load_surface(primary_hit(merge.surfaces, merge.pixel[j]), merge.previous);
+    Surface today = load_surface(primary_hit(merge.surfaces, neighbour_pixel(j)), false);
+    Surface then = load_surface(primary_hit(merge.surfaces, neighbour_pixel(j)), merge.previous);
     vec3 camera = merge.previous ? frame.c.previousCamera.position : frame.c.camera.position;
     ShadingPoint point = shade_surface(then, normalize(camera - then.position));
     return evaluate_target(Domain(point, ray_end(today), merge.previous), y);
@@ -38,7 +38,7 @@ vec2 probe()
         uint holder = i < merge.count ? i : CENTRE;
         LightReservoir r = merge.own;
         if (holder != CENTRE)
-            r = merge.reservoirs.at[merge.pixel[i]];
+            r = merge.reservoirs.at[neighbour_pixel(i)];
         float here = r.ucw <= 0.0 ? 0.0 : holder == CENTRE ? r.target : target_at_centre(r.point);
         if (here > 0.0) {
             result.x = max(result.x, abs(weight_sum(holder, r.point, r.target, here) - 1.0));
