@@ -9,8 +9,8 @@
 #define RECIPROCAL 0
 #endif
 
-/// A pixel's partner number i: the partner's partner i is this pixel. Tiles of a grid that is shifted at random are each turned by half a
-/// turn about a random point, modulo the tile's side. false: outside of the image, or the pixel itself.
+/// A pixel's partner number i, whose partner i is this pixel [shaders/README: Reciprocal pairs]. false: it would be outside of the image, or
+/// the pixel itself.
 bool find_partner(uvec2 at, uint side, uint i, out uint pixel)
 {
     const uint NO_PIXEL = 0xffffffffu;

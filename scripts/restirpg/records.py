@@ -1,4 +1,5 @@
-"""The records that kernels write, as NumPy sees them: `renderer.read_port("reuse.vertices").view(record("PathVertex"))`.
+"""The records that kernels write, as NumPy sees them:
+`renderer.read_port("reuse.vertices").view(record("PathVertex"))`.
 
 Layouts and constants are read from the headers that C++ and GLSL share, framework/shaders/*_types.h.
 """

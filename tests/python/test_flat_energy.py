@@ -14,8 +14,11 @@ from scipy import stats
 from restirpg.harness.statistics import LEVEL
 from restirpg.harness.unbiased import independent_runs
 
+pytestmark = pytest.mark.compile_bound
+
 RUNS, FRAME, SIZE, BOUNCES = 96, 6, (24, 24), 2
 BATCHES, BATCH_FRAMES = 96, 32  # of the path tracer
+PAIRS = {"rounds": 2, "neighbours": 4, "reciprocal": True}
 SETTINGS = [
     {"temporal": False, "rounds": 0},
     {"rounds": 0, "cap": 1.0},
@@ -25,7 +28,7 @@ SETTINGS = [
     {"rounds": 1, "neighbours": 6, "cap": 100.0},
     {"rounds": 3, "neighbours": 2, "cap": 1.0},
     {"rounds": 4, "neighbours": 6, "cap": 20.0},
-    {"rounds": 2, "neighbours": 4, "reciprocal": True},
+    PAIRS,
 ]
 DEFAULTS = {"temporal": True, "reciprocal": False, "neighbours": 3, "cap": 20.0}
 
@@ -97,4 +100,7 @@ def test_energy_does_not_depend_on_what_is_reused(scene, path_traced):
     assert flatness([*samples[:-1], darker]) < LEVEL
     with mutant("reuse_confidence", "ReSTIRReuse"):
         mistaken = means_of(make_resampled(scene), {"rounds": 0, "cap": 20.0})
+    assert flatness([*samples, mistaken]) < LEVEL
+    with mutant("reuse_pairs", "ReSTIRReuse"):
+        mistaken = means_of(make_resampled(scene), PAIRS)
     assert flatness([*samples, mistaken]) < LEVEL
