@@ -204,8 +204,8 @@ void editScene(Scene& scene, const std::map<std::string, std::vector<float>>& va
     const auto list = parametersOf(scene);
     std::vector<std::pair<const SceneParameter*, std::vector<float>>> edits;
     for (const auto& [path, given] : values) {
-        const auto found =
-            std::find_if(list.begin(), list.end(), [&](const auto& parameter) { return parameter.path == path; });
+        const auto found = std::find_if(list.begin(), list.end(),
+                                        [&path = path](const auto& parameter) { return parameter.path == path; });
         if (found == list.end())
             refusePath(scene, path, list);
         const bool grey = given.size() == 1 && found->values.size() == 3;

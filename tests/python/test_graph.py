@@ -64,7 +64,7 @@ def test_places_are_those_of_the_calls():
     graph.output("image", node.mean)
     described = graph.description()
     assert described["passes"][0]["line"] == line
-    assert described["outputs"][0]["line"] == line + 2
+    assert described["outputs"][0]["line"] == line + 1
     assert os.path.abspath(described["passes"][0]["file"]) == os.path.abspath(__file__)
 
 
