@@ -355,7 +355,7 @@ def test_descriptions_fit_a_terminal_of_100_columns():
     code, output, errors = restirpg("describe")
     assert (code, errors) == (0, "")
     assert not [line for line in output.splitlines() if len(line) > 100]
-    assert "one of none, jacobian, mis," in " ".join(output.split())  # choices of a knob, wrapped
+    assert "one of cell, level, samples," in " ".join(output.split())  # choices of a knob, wrapped
 
 
 def test_ports_of_passes_are_written_by_name(scene, tmp_path):

@@ -140,7 +140,9 @@ def test_a_pass_tells_its_ports_and_knobs():
     declared = restirpg.describe_pass("PathTracerGuided")
     knobs = {knob["name"]: knob for knob in declared["knobs"]}
     assert declared["meaning"] and (knobs["bounces"]["type"], knobs["bounces"]["minimum"]) == ("uint", 0)
-    assert knobs["nee"]["default"] is True and "minimum" not in knobs["nee"] and "none" in knobs["fault"]["choices"]
+    assert knobs["nee"]["default"] is True and "minimum" not in knobs["nee"]
+    splat = {knob["name"]: knob for knob in restirpg.describe_pass("GuidingSplat")["knobs"]}
+    assert splat["final_edges"]["choices"] == ["all", "scattered", "none"]
     outputs = {port["name"]: port for port in declared["outputs"]}
     assert (outputs["radiance"]["type"], outputs["radiance"]["channels"]) == ("Image3", 3)
     assert {"name", "type", "channels", "meaning"} == declared["inputs"][0].keys()
