@@ -43,12 +43,9 @@ def write_every_bounce(folder):
     return scene.write(folder)
 
 
-def probe_graph(outputs=OUTPUTS):
-    """ReSTIR PT under the tests' ShiftProbe, which compiles what these outputs need."""
-    graph = restirpg.Graph("Shifts measured")
-    gbuffer = graph.add("gbuffer", "GBuffer")
-    paths = graph.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=4)
-    reuse = graph.add(
+def add_reuse(graph, gbuffer, paths, **knobs):
+    """The pass `reuse`: ReSTIR PT over these candidates, with its history."""
+    return graph.add(
         "reuse",
         "ReSTIRReuse",
         surface=gbuffer.surface,
@@ -56,7 +53,16 @@ def probe_graph(outputs=OUTPUTS):
         motion=gbuffer.motion,
         previous_surface=restirpg.prev("gbuffer.surface"),
         history=restirpg.prev("reuse.reservoirs"),
+        **knobs,
     )
+
+
+def probe_graph(outputs=OUTPUTS):
+    """ReSTIR PT under the tests' ShiftProbe, which compiles what these outputs need."""
+    graph = restirpg.Graph("Shifts measured")
+    gbuffer = graph.add("gbuffer", "GBuffer")
+    paths = graph.add("paths", "PathTracerGuided", surface=gbuffer.surface, bounces=4)
+    reuse = add_reuse(graph, gbuffer, paths)
     probe = graph.add(
         "probe",
         "ShiftProbe",

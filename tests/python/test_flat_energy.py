@@ -8,6 +8,7 @@ rounds is a mistake in the MIS weights, with the cap one in the confidences.
 import numpy as np
 import pytest
 from mutants import mutant
+from path_scenes import add_reuse
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 from scipy import stats
 
@@ -42,15 +43,7 @@ def resampled(accumulate):
         image = g.add("accumulate", "Accumulate", indirect=paths.radiance, history=restirpg.prev("accumulate.sums"))
         g.output("radiance", image.mean)
     else:
-        reuse = g.add(
-            "reuse",
-            "ReSTIRReuse",
-            surface=gbuffer.surface,
-            candidates=paths.candidates,
-            motion=gbuffer.motion,
-            previous_surface=restirpg.prev("gbuffer.surface"),
-            history=restirpg.prev("reuse.reservoirs"),
-        )
+        reuse = add_reuse(g, gbuffer, paths)
         g.output("radiance", reuse.radiance)
     return g
 

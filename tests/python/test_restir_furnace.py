@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from furnace_scenes import BRUSHED, MIRROR, PANE, closed_box, dark_half, standard_errors_off, upright_strips
 from mutants import mutant
+from path_scenes import add_reuse
 from renderer_scenes import restirpg
 
 from restirpg.harness.unbiased import independent_runs
@@ -31,16 +32,7 @@ def make_renderer(file, size, bounces, **knobs):
     graph = restirpg.Graph("Resampled")
     gbuffer = graph.add("gbuffer", "GBuffer")
     paths = graph.add("paths", "PathTracerGuided", surface=gbuffer.surface)
-    reuse = graph.add(
-        "reuse",
-        "ReSTIRReuse",
-        surface=gbuffer.surface,
-        candidates=paths.candidates,
-        motion=gbuffer.motion,
-        previous_surface=restirpg.prev("gbuffer.surface"),
-        history=restirpg.prev("reuse.reservoirs"),
-        **knobs,
-    )
+    reuse = add_reuse(graph, gbuffer, paths, **knobs)
     graph.output("radiance", reuse.radiance)
     renderer = restirpg.Renderer(restirpg.load_scene(file), graph, size=size, validation=True)
     renderer.set("paths.bounces", bounces)  # not what the scene says

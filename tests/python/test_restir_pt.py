@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from direct_light import write_every_light
 from mutants import mutant
+from path_scenes import add_reuse
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 
 from restirpg.harness.unbiased import Reference, compare, independent_runs
@@ -39,16 +40,7 @@ def restir(accumulate=True, trees=1, **knobs):
     g = restirpg.Graph("Indirect light, resampled")
     gbuffer = g.add("gbuffer", "GBuffer")
     paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, trees=trees)
-    reuse = g.add(
-        "reuse",
-        "ReSTIRReuse",
-        surface=gbuffer.surface,
-        candidates=paths.candidates,
-        motion=gbuffer.motion,
-        previous_surface=restirpg.prev("gbuffer.surface"),
-        history=restirpg.prev("reuse.reservoirs"),
-        **knobs,
-    )
+    reuse = add_reuse(g, gbuffer, paths, **knobs)
     image = g.add("accumulate", "Accumulate", indirect=reuse.radiance, history=restirpg.prev("accumulate.sums"))
     g.output("image", image.mean if accumulate else reuse.radiance)
     return g
