@@ -44,10 +44,10 @@ public:
         io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
         io.knob("neighbours", neighbours_, 1, MAX_REUSE_NEIGHBOURS, "pixels drawn in one round");
         io.knob("pool", pool_, 1, MAX_REUSE_POOL,
-                "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one "
-                "that is drawn, as published");
+                "pixels (or pairs) that each neighbour is chosen from, by how much its surface is like this pixel's; "
+                "1: the one that is drawn, as published");
         io.knob("reciprocal", reciprocal_,
-                "pair pixels, so that each shift serves both: half the shifts of spatial reuse; needs pool=1");
+                "pair pixels, so that each shift serves both: half the shifts of spatial reuse");
         io.structural();
         io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
         io.knob("least_radius", leastRadius_, 1, 1000, "least radius of the disk, in pixels of the rendered image");
@@ -59,9 +59,6 @@ public:
 
     void check() const override
     {
-        if (reciprocal_ && pool_ > 1)
-            fail("reciprocal=true pairs pixels, pool={} chooses them one by one; set one of the two to its default",
-                 pool_);
         if (vertices_ && (!candidateVertices_ || (history_ && !historyVertices_)))
             fail("the output 'vertices' needs candidate_vertices and, with history, history_vertices; wire them");
         if (vertices_ && historyVertices_ && historyVertices_.pixelBytes() != candidateVertices_.pixelBytes())
@@ -74,6 +71,7 @@ public:
     {
         device_ = &device;
         temporalKernel_ = Kernel(device, passFile("Temporal.comp"), {}, {}, compileIf(temporal_ && history_));
+        pairsKernel_ = Kernel(device, passFile("Pairs.comp"), {}, {}, compileIf(rounds_ > 0 && reciprocal_));
         imagesKernel_ = Kernel(device, passFile("Images.comp"), {}, {}, compileIf(rounds_ > 0 && reciprocal_));
         spatialKernel_ = Kernel(device, passFile("Spatial.comp"), {{"RECIPROCAL", reciprocal_ ? "1" : "0"}}, {},
                                 compileIf(rounds_ > 0));
@@ -96,8 +94,10 @@ public:
         for (parameters.round = 0; parameters.round < rounds_; ++parameters.round) {
             setDestination(parameters, frame, --stage);
             if (reciprocal_) {
-                parameters.images =
-                    scratch(images_, uint64_t(frame.width()) * frame.height() * neighbours_ * sizeof(PathImage));
+                const uint64_t places = uint64_t(frame.width()) * frame.height() * neighbours_;
+                parameters.partners = scratch(partners_, places * sizeof(uint32_t));
+                parameters.images = scratch(images_, places * sizeof(PathImage));
+                frame.dispatchPixels(pairsKernel_, parameters);
                 frame.dispatchPixels(imagesKernel_, parameters);
             }
             frame.dispatchPixels(spatialKernel_, parameters);
@@ -174,8 +174,8 @@ private:
     float normalThreshold_ = 0.5f;
     float depthThreshold_ = 0.1f;
     Device* device_ = nullptr;
-    Buffer scratch_[3], originScratch_[2], images_;
-    Kernel temporalKernel_, imagesKernel_, spatialKernel_, shadeKernel_, verticesKernel_;
+    Buffer scratch_[3], originScratch_[2], images_, partners_;
+    Kernel temporalKernel_, pairsKernel_, imagesKernel_, spatialKernel_, shadeKernel_, verticesKernel_;
 };
 
 }  // namespace restirpg

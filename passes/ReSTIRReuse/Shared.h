@@ -26,6 +26,7 @@ struct ReuseParameters {
     uint round;
     float leastRadius;  ///< of that disk, pixels of this image
     Address images;  ///< PathImage, one per pixel and partner; 0: pixels are not paired
+    Address partners;  ///< the pixel that each pixel would be paired with in each place, a uint; INVALID_INDEX: none
 };
 
 /// What a path's image in another pixel does not share with the path. 40 bytes.

@@ -23,11 +23,11 @@ uint pool_round(uint round)
     return FIRST + round * (MAX_REUSE_NEIGHBOURS * MAX_REUSE_POOL / RANDOM_DIMENSIONS);
 }
 
-/// Where the numbers are that pair pixels, one address for each partner.
+/// Where the numbers begin that pair pixels, as many addresses.
 uint partner_round(uint round)
 {
     const uint FIRST = 0x30000u;
-    return FIRST + round;
+    return FIRST + round * (MAX_REUSE_NEIGHBOURS * MAX_REUSE_POOL / RANDOM_DIMENSIONS);
 }
 
 #endif

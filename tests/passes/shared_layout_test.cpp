@@ -109,7 +109,7 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(PathImage, f, geometry, sharpPdf, jacobian, anchor, place),
     LAYOUT(ReuseParameters, frame, surface, previousSurface, motion, source, history, reservoirs, radiance,
            originSource, origins, cap, radius, normalThreshold, depthThreshold, neighbours, pool, round, leastRadius,
-           images),
+           images, partners),
     LAYOUT(ReuseVerticesParameters, frame, surface, source, origins, candidates, history, vertices, stride),
     LAYOUT(GuidingGrid, camera, scale, origin, smallest),
     LAYOUT(GuidingHeader, grid, capacity, options, cells, collisions, failed, samples, fitted, guiding),

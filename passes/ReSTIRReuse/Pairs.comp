@@ -1,0 +1,21 @@
+// The partner that each pixel would have in each place. Two pixels that choose each other are paired.
+#version 460
+#include "prelude.glsl"
+#include "Shared.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform Push { ReuseParameters params; };
+
+#include "pairs.glsl"
+
+void main()
+{
+    frame = FrameRef(params.frame);
+    uvec2 at = gl_GlobalInvocationID.xy;
+    if (any(greaterThanEqual(at, frame.c.size)))
+        return;
+    uint pixel = at.y * frame.c.size.x + at.x;
+    bool seen = primary_hit(params.surface, pixel).instance != INVALID_INDEX;
+    for (uint i = 0u; i < params.neighbours; ++i)
+        PartnerArray(params.partners).at[pixel * params.neighbours + i] = seen ? choose_partner(at, i) : INVALID_INDEX;
+}

@@ -1,0 +1,78 @@
+// Pairs of pixels, so that one shift serves both [shaders/README: Reciprocal pairs].
+#ifndef RESTIRPG_RESTIR_REUSE_PAIRS_GLSL
+#define RESTIRPG_RESTIR_REUSE_PAIRS_GLSL
+
+#include "merge.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PartnerArray { uint at[]; };
+
+NeighbourRules neighbour_rules()
+{
+    return NeighbourRules(disk_radius(params.radius, params.leastRadius), params.pool, params.normalThreshold, params.depthThreshold);
+}
+
+/// The pixel that pattern number `pattern` pairs with this one: it pairs that pixel with this one. false: it would be outside of the
+/// image, or this pixel itself.
+bool find_partner(uvec2 at, uint side, uint pattern, out uvec2 partner)
+{
+    const uint NO_PIXEL = 0xffffffffu;
+    RandomKey key = RandomKey(NO_PIXEL, frame.c.frame, frame.c.seed ^ RANDOM_STREAM_REUSE);
+    uint numbers = partner_round(params.round);
+    uvec2 shift = uvec2(random2(key, numbers, pattern) * float(side));
+    uvec2 tile = (at + shift) / side;
+    uvec2 place = (at + shift) % side;
+    uvec2 turn = uvec2(random2(random_key(tile, frame.c.frame, frame.c.seed ^ RANDOM_STREAM_REUSE), numbers, pattern) * float(side));
+    ivec2 found = ivec2(tile * side + (turn + side - place) % side) - ivec2(shift);
+    partner = uvec2(found);
+    return all(greaterThanEqual(found, ivec2(0))) && all(lessThan(found, ivec2(frame.c.size))) && partner != at;
+}
+
+/// What a pattern's pair bids for being chosen, 0 if the surfaces are not similar: the largest bid of a pool is that of each member with
+/// a chance in proportion to its compatibility. Both pixels find the same number, for they compute the same.
+float pair_bid(uvec2 at, uvec2 partner, NeighbourRules rules, uint pattern)
+{
+    bool first = at.y < partner.y || (at.y == partner.y && at.x < partner.x);
+    uvec2 a = first ? at : partner;
+    uvec2 b = first ? partner : at;
+    Appearance looks_a = load_appearance(params.surface, a.y * frame.c.size.x + a.x);
+    Appearance looks_b = load_appearance(params.surface, b.y * frame.c.size.x + b.x);
+    if (!is_similar(looks_a, looks_b, rules.normal_threshold, rules.depth_threshold) ||
+        !is_similar(looks_b, looks_a, rules.normal_threshold, rules.depth_threshold))
+        return 0.0;
+    // The race of exponential variates: -log(u) / score is least for a member with a chance in proportion to its score.
+    float u = random1(reuse_key(a), pool_round(params.round), pattern);
+    return compatibility(looks_a, seen_position(a, looks_a), looks_b, seen_position(b, looks_b)) / -log(max(1.0 - u, 1e-8));
+}
+
+/// The pixel that this one would be paired with in place i: of a pool of patterns the one of the largest bid; INVALID_INDEX: with none.
+uint choose_partner(uvec2 at, uint i)
+{
+    NeighbourRules rules = neighbour_rules();
+    // The offsets have the disk's root mean square: side^2 / 3 = radius^2 / 2.
+    uint side = max(uint(round(rules.radius * sqrt(1.5))), 2u);
+    uint chosen = INVALID_INDEX;
+    float largest = 0.0;
+    for (uint k = 0u; k < rules.pool; ++k) {
+        uint pattern = i * MAX_REUSE_POOL + k;
+        uvec2 partner;
+        if (!find_partner(at, side, pattern, partner))
+            continue;
+        uint pixel = partner.y * frame.c.size.x + partner.x;
+        if (primary_hit(params.surface, pixel).instance == INVALID_INDEX)
+            continue;
+        float bid = pair_bid(at, partner, rules, pattern);
+        if (bid > largest) {
+            largest = bid;
+            chosen = pixel;
+        }
+    }
+    return chosen;
+}
+
+/// What a pixel has chosen for place i. It is paired with it if that one has chosen it, too.
+uint chosen_partner(uint pixel, uint i)
+{
+    return PartnerArray(params.partners).at[pixel * params.neighbours + i];
+}
+
+#endif
