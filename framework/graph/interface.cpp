@@ -117,10 +117,10 @@ void Interface::knob(const std::string& name, std::string& target, const std::st
     addKnob(knobs_, inputs_, {name, &target, meaning, 0, 0, {}});
 }
 
-void Interface::choice(const std::string& name, std::string& target, std::vector<std::string> choices,
-                       const std::string& meaning)
+void Interface::addChoice(const std::string& name, Knob::Selection selection, std::vector<std::string> choices,
+                          const std::string& meaning)
 {
-    addKnob(knobs_, inputs_, {name, &target, meaning, 0, 0, std::move(choices)});
+    addKnob(knobs_, inputs_, {name, std::move(selection), meaning, 0, 0, std::move(choices)});
 }
 
 void Interface::structural()

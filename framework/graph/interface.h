@@ -4,10 +4,13 @@
 
 #include "graph/knob.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace restirpg {
@@ -174,8 +177,23 @@ public:
               const std::string& meaning);
     void knob(const std::string& name, float& target, float minimum, float maximum, const std::string& meaning);
     void knob(const std::string& name, std::string& target, const std::string& meaning);
-    void choice(const std::string& name, std::string& target, std::vector<std::string> choices,
-                const std::string& meaning);
+    /// A knob whose values have names: the user gives a name, `target` is its value, an enumerator or a constant that
+    /// kernels know.
+    template <typename Value>
+    void choice(const std::string& name, Value& target,
+                std::type_identity_t<std::vector<std::pair<std::string, Value>>> choices, const std::string& meaning)
+    {
+        std::vector<std::string> names;
+        std::vector<Value> values;
+        for (auto& [choiceName, value] : choices) {
+            names.push_back(choiceName);
+            values.push_back(value);
+        }
+        Knob::Selection selection{
+            [&target, values] { return size_t(std::find(values.begin(), values.end(), target) - values.begin()); },
+            [&target, values](size_t place) { target = values[place]; }};
+        addChoice(name, std::move(selection), std::move(names), meaning);
+    }
     /// Marks the knob declared last: a change of it rebuilds the pass (kernels, buffer sizes).
     void structural();
 
@@ -186,6 +204,9 @@ public:
     const std::vector<Knob>& knobs() const { return knobs_; }
 
 private:
+    void addChoice(const std::string& name, Knob::Selection selection, std::vector<std::string> choices,
+                   const std::string& meaning);
+
     std::vector<InputPort> inputs_;
     std::vector<std::vector<std::string>> groups_;
     std::vector<OutputPort> outputs_;

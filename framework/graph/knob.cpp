@@ -90,15 +90,18 @@ std::string Knob::typeName() const
     return std::visit(
         Overloaded{[](bool*) -> std::string { return "bool"; }, [](int32_t*) -> std::string { return "int"; },
                    [](uint32_t*) -> std::string { return "uint"; }, [](float*) -> std::string { return "float"; },
-                   [&](std::string*) -> std::string { return choices.empty() ? "string" : "choice"; }},
+                   [](std::string*) -> std::string { return "string"; },
+                   [](const Selection&) -> std::string { return "choice"; }},
         target);
 }
 
 nlohmann::json Knob::get() const
 {
-    return std::visit(Overloaded{[](float* value) -> nlohmann::json { return shortest(*value); },
-                                 [](auto* value) -> nlohmann::json { return *value; }},
-                      target);
+    return std::visit(
+        Overloaded{[](float* value) -> nlohmann::json { return shortest(*value); },
+                   [&](const Selection& selection) -> nlohmann::json { return choices.at(selection.get()); },
+                   [](auto* value) -> nlohmann::json { return *value; }},
+        target);
 }
 
 void Knob::set(const nlohmann::json& value)
@@ -114,22 +117,25 @@ void Knob::set(const nlohmann::json& value)
                           [&](std::string* variable) {
                               if (!value.is_string())
                                   refuse(*this, value);
-                              const auto text = value.get<std::string>();
-                              if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
+                              *variable = value.get<std::string>();
+                          },
+                          [&](Selection& selection) {
+                              const auto found = std::find(choices.begin(), choices.end(), value);
+                              if (found == choices.end())
                                   refuse(*this, value);
-                              *variable = text;
+                              selection.set(size_t(found - choices.begin()));
                           }},
                target);
 }
 
 void Knob::setFromText(const std::string& text)
 {
-    set(std::visit(Overloaded{[&](bool*) { return booleanFrom(text); },
-                              [&](int32_t*) { return numberFrom<int64_t>(text); },
-                              [&](uint32_t*) { return numberFrom<int64_t>(text); },
-                              [&](float*) { return numberFrom<double>(text); },
-                              [&](std::string*) { return nlohmann::json(text); }},
-                   target));
+    set(std::visit(
+        Overloaded{[&](bool*) { return booleanFrom(text); }, [&](int32_t*) { return numberFrom<int64_t>(text); },
+                   [&](uint32_t*) { return numberFrom<int64_t>(text); },
+                   [&](float*) { return numberFrom<double>(text); }, [&](std::string*) { return nlohmann::json(text); },
+                   [&](const Selection&) { return nlohmann::json(text); }},
+        target));
 }
 
 }  // namespace restirpg

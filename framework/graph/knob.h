@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -12,14 +13,19 @@ namespace restirpg {
 
 /// One knob of a pass, bound to the pass's member variable.
 struct Knob {
-    using Target = std::variant<bool*, int32_t*, uint32_t*, float*, std::string*>;
+    /// One of `choices`, by its place: an enumerator or constant of the pass.
+    struct Selection {
+        std::function<size_t()> get;
+        std::function<void(size_t)> set;
+    };
+    using Target = std::variant<bool*, int32_t*, uint32_t*, float*, std::string*, Selection>;
 
     std::string name;
     Target target;
     std::string meaning;  ///< one sentence, with unit and source
     double minimum;  ///< inclusive; for numbers
     double maximum;
-    std::vector<std::string> choices;  ///< for strings: the allowed values; empty: any
+    std::vector<std::string> choices;  ///< of a Selection, by name
     bool structural = false;  ///< a change rebuilds the pass (kernels, buffer sizes)
 
     /// "bool", "int", "uint", "float", "choice" or "string".

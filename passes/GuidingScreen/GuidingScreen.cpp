@@ -2,8 +2,6 @@
 #include "render/frame.h"
 #include "shaders/path_vertex_types.h"
 
-#include <algorithm>
-
 namespace restirpg {
 
 static_assert(sizeof(ScreenStatistics) == 36);
@@ -11,8 +9,6 @@ static_assert(sizeof(ScreenLobe) == 24);
 
 namespace {
 
-/// In the order of SCREEN_LOBE_*, less one.
-const std::vector<std::string> LOBES = {"gaussian", "vmf"};
 /// Pixels of the 5 x 5 window around one.
 constexpr uint32_t MAX_NEIGHBOURS = 24;
 
@@ -43,7 +39,7 @@ public:
         io.output("direction", direction_, image(3),
                   "the lobe's mean direction as a colour, (1 + xyz) / 2; black where there is no lobe");
         io.output("peak", peak_, image(1), "the lobe's density at its mean direction, 1/sr");
-        io.choice("lobe", lobe_, LOBES,
+        io.choice("lobe", lobe_, {{"gaussian", SCREEN_LOBE_GAUSSIAN}, {"vmf", SCREEN_LOBE_VMF}},
                   "a Gaussian in the equal-area square of the hemisphere about the normal, or a von Mises-Fisher lobe");
         io.knob("product", product_, "fit the incident radiance times BSDF and cosine; off: the radiance alone");
         io.knob("smoothing_floor", smoothingFloor_, 0.001f, 1,
@@ -66,20 +62,19 @@ public:
     void record(Frame& frame) override
     {
         const uint64_t pixels = uint64_t(frame.width()) * frame.height();
-        const auto kind = uint32_t(std::find(LOBES.begin(), LOBES.end(), lobe_) - LOBES.begin()) + 1;
         frame.dispatchPixels(
             kernel_, GuidingScreenParameters{
                          frame.constants(), surface_->address(), previousSurface_->address(), motion_->address(),
                          samples_->address(), history_->address(), addressOf(statistics_), addressOf(guide_),
                          addressOf(direction_), addressOf(peak_),
-                         uint32_t(samples_->bytes() / (pixels * sizeof(GuidingSample))), kind, product_, neighbours_,
+                         uint32_t(samples_->bytes() / (pixels * sizeof(GuidingSample))), lobe_, product_, neighbours_,
                          smoothingFloor_, prior_, regularisation_, normalThreshold_, depthThreshold_});
     }
 
 private:
     In<Buffer> surface_, motion_, previousSurface_, samples_, history_;
     Out<Buffer> guide_, statistics_, direction_, peak_;
-    std::string lobe_ = "gaussian";
+    uint32_t lobe_ = SCREEN_LOBE_GAUSSIAN;
     bool product_ = false;
     float smoothingFloor_ = 0.02f;
     uint32_t neighbours_ = 4;

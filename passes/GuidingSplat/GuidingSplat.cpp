@@ -2,17 +2,9 @@
 #include "render/frame.h"
 #include "shaders/path_vertex_types.h"
 
-#include <algorithm>
 #include <bit>
 
 namespace restirpg {
-
-namespace {
-
-/// In the order of FINAL_EDGES_*.
-const std::vector<std::string> FINAL_EDGES = {"all", "scattered", "none"};
-
-}  // namespace
 
 class GuidingSplat final : public Pass {
 public:
@@ -36,7 +28,8 @@ public:
         io.knob("rows", rows_, 1, 1u << 16,
                 "rows of pixels that are added per frame, at most: of a higher image each n-th one, a row further on "
                 "in each frame");
-        io.choice("final_edges", finalEdges_, FINAL_EDGES,
+        io.choice("final_edges", finalEdges_,
+                  {{"all", FINAL_EDGES_ALL}, {"scattered", FINAL_EDGES_SCATTERED}, {"none", FINAL_EDGES_NONE}},
                   "which path edges that end on a light are added: all, only those found by scattering, or none");
         io.knob("incident", incident_,
                 "divide by the BSDF and the cosine, so that lobes fit the incident radiance alone");
@@ -51,7 +44,7 @@ public:
             fail("it learns from vertices or from samples; wire one of the two");
         if (vertices_ && parallax_)
             fail("parallax=true needs samples: vertices do not say how far they look");
-        if (samples_ && (incident_ || finalEdges_ != "all"))
+        if (samples_ && (incident_ || finalEdges_ != FINAL_EDGES_ALL))
             fail("incident and final_edges are for vertices: samples have their weights, and none is marked as the "
                  "last");
     }
@@ -71,8 +64,7 @@ public:
         parameters.statistics = statistics_->address();
         parameters.stride = uint32_t(bytes / pixels);
         parameters.capacity = capacity();
-        parameters.finalEdges =
-            uint32_t(std::find(FINAL_EDGES.begin(), FINAL_EDGES.end(), finalEdges_) - FINAL_EDGES.begin());
+        parameters.finalEdges = finalEdges_;
         parameters.incident = incident_;
         parameters.parallax = parallax_;
         parameters.cellSize = cellSize_;
@@ -98,7 +90,7 @@ private:
     uint32_t rows_ = 1u << 16;
     float cellSize_ = 0.12f;
     float smallestCell_ = 1e-3f;
-    std::string finalEdges_ = "all";
+    uint32_t finalEdges_ = FINAL_EDGES_ALL;
     bool incident_ = false;
     bool parallax_ = false;
     Kernel kernel_;

@@ -1,16 +1,7 @@
 #include "Shared.h"
 #include "render/frame.h"
 
-#include <algorithm>
-
 namespace restirpg {
-
-namespace {
-
-/// In the order of VIEW_*.
-const std::vector<std::string> VIEWS = {"cell", "level", "samples", "age", "kappa", "weight", "guided"};
-
-}  // namespace
 
 class GuidingView final : public Pass {
 public:
@@ -20,7 +11,14 @@ public:
         io.ofThisFrame();
         io.input("guide", guide_, fixedSize("GridGuide", {}), "a guide of GuidingFit, of this frame or the one before");
         io.output("image", image_, image(3), "false colours of the cells that the pixels see; black: no guide there");
-        io.choice("show", show_, VIEWS,
+        io.choice("show", show_,
+                  {{"cell", VIEW_CELL},
+                   {"level", VIEW_LEVEL},
+                   {"samples", VIEW_SAMPLES},
+                   {"age", VIEW_AGE},
+                   {"kappa", VIEW_KAPPA},
+                   {"weight", VIEW_WEIGHT},
+                   {"guided", VIEW_GUIDED}},
                   "what to show: cell: a random colour per cell; level: level of the grid; samples: number at the last "
                   "fit; age: frames since the last fit; kappa: the largest; weight: of the heaviest lobe; guided: "
                   "learned probability of the guide");
@@ -30,15 +28,14 @@ public:
 
     void record(Frame& frame) override
     {
-        const auto show = uint32_t(std::find(VIEWS.begin(), VIEWS.end(), show_) - VIEWS.begin());
         frame.dispatchPixels(kernel_, GuidingViewParameters{frame.constants(), surface_->address(), guide_->address(),
-                                                            image_->address(), show});
+                                                            image_->address(), show_});
     }
 
 private:
     In<Buffer> surface_, guide_;
     Out<Buffer> image_;
-    std::string show_ = "cell";
+    uint32_t show_ = VIEW_CELL;
     Kernel kernel_;
 };
 

@@ -39,7 +39,7 @@ public:
                 "that is drawn, as published");
         io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
         io.knob("least_radius", leastRadius_, 1, 1000, "least radius of the disk, in pixels of the rendered image");
-        io.choice("mis", mis_, {"pairwise", "balance"},
+        io.choice("mis", pairwise_, {{"pairwise", true}, {"balance", false}},
                   "MIS weights of spatial reuse with n neighbours: pairwise takes 2 n shadow rays, balance n (n + 1)");
         io.knob("feedback", feedback_,
                 "the next frame starts from the reservoirs after spatial reuse; off: from those before");
@@ -88,7 +88,7 @@ private:
         parameters.candidates = candidates_;
         parameters.bsdfCandidates = bsdfCandidates_;
         parameters.neighbours = neighbours_;
-        parameters.pairwise = mis_ == "pairwise";
+        parameters.pairwise = pairwise_;
         parameters.cap = float(cap_);
         parameters.radius = radius_;
         parameters.leastRadius = leastRadius_;
@@ -130,7 +130,7 @@ private:
     float radius_ = 30;
     float leastRadius_ = 3;
     bool feedback_ = true;
-    std::string mis_ = "pairwise";
+    bool pairwise_ = true;
     float normalThreshold_ = 0.5f;
     float depthThreshold_ = 0.1f;
     Device* device_ = nullptr;

@@ -13,7 +13,6 @@ struct ToneMapParameters {
     uint curve;  ///< TONE_CURVE_*
 };
 
-// In the order of the knob's choices.
 RESTIRPG_CONST TONE_CURVE_LINEAR = 0u;
 RESTIRPG_CONST TONE_CURVE_REINHARD = 1u;
 

@@ -1,17 +1,9 @@
 #include "Shared.h"
 #include "render/frame.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace restirpg {
-
-namespace {
-
-/// In the order of TONE_CURVE_*.
-const std::vector<std::string> CURVES = {"linear", "reinhard"};
-
-}  // namespace
 
 class ToneMap final : public Pass {
 public:
@@ -20,7 +12,7 @@ public:
         io.input("image", image_, image(3), "radiance, linear Rec.709");
         io.output("display", display_, image(3), "sRGB, encoded, 0 to 1");
         io.knob("exposure", exposure_, -20, 20, "stops: radiance is multiplied by 2 to this power");
-        io.choice("curve", curve_, CURVES,
+        io.choice("curve", curve_, {{"linear", TONE_CURVE_LINEAR}, {"reinhard", TONE_CURVE_REINHARD}},
                   "linear: clip at 1; reinhard: compress the luminance (Reinhard et al. 2002)");
         io.knob("white", white_, 0.1f, 1000, "luminance after exposure that reinhard maps to 1");
     }
@@ -29,16 +21,15 @@ public:
 
     void record(Frame& frame) override
     {
-        const auto curve = std::find(CURVES.begin(), CURVES.end(), curve_) - CURVES.begin();
         frame.dispatchPixels(kernel_, ToneMapParameters{frame.constants(), image_->address(), display_->address(),
-                                                        std::exp2(exposure_), white_, uint32_t(curve)});
+                                                        std::exp2(exposure_), white_, curve_});
     }
 
 private:
     In<Buffer> image_;
     Out<Buffer> display_;
     float exposure_ = 0;
-    std::string curve_ = "linear";
+    uint32_t curve_ = TONE_CURVE_LINEAR;
     float white_ = 4;
     Kernel kernel_;
 };

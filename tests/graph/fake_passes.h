@@ -39,18 +39,21 @@ public:
         io.structural();
         io.knob("roughness", roughness_, 0.0f, 0.9f, "Smallest");
         io.knob("offset", offset_, -5, 5, "A signed number");
-        io.choice("cells", cells_, {"world", "screen"}, "Where cells lie");
+        io.choice("cells", cells_, {{"world", Cells::world}, {"screen", Cells::screen}}, "Where cells lie");
         io.knob("note", note_, "Any text");
         io.knob("nee", nee_, "Sample lights");
     }
 
 private:
+    enum class Cells { world, screen };
+
     In<Buffer> surface_, guide_;
     Out<Buffer> radiance_, vertices_;
     uint32_t bounces_ = 8;
     float roughness_ = 0.1f;
     int32_t offset_ = 0;
-    std::string cells_ = "world", note_;
+    Cells cells_ = Cells::world;
+    std::string note_;
     bool nee_ = true;
 };
 

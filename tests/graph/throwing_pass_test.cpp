@@ -18,9 +18,9 @@ public:
     {
         io.optionalInput("history", history_, image(3), "Picture of the frame before");
         io.output("image", image_, image(3), "Picture");
-        io.choice("built", built_, {"fine", "error", "number"}, "What build throws");
+        io.choice("built", built_, CHOICES, "What build throws");
         io.structural();
-        io.choice("recorded", recorded_, {"fine", "error", "number"}, "What record throws");
+        io.choice("recorded", recorded_, CHOICES, "What record throws");
     }
     void build(Device&) override { throwAs(built_); }
     void record(Frame&) override
@@ -33,17 +33,21 @@ public:
     static inline const Buffer *read = nullptr, *written = nullptr;  ///< of the last frame
 
 private:
-    static void throwAs(const std::string& kind)
+    enum class Thrown { nothing, error, number };
+    static inline const std::vector<std::pair<std::string, Thrown>> CHOICES = {
+        {"fine", Thrown::nothing}, {"error", Thrown::error}, {"number", Thrown::number}};
+
+    static void throwAs(Thrown kind)
     {
-        if (kind == "error")
+        if (kind == Thrown::error)
             throw std::runtime_error("bad\nday\x1b");
-        if (kind == "number")
+        if (kind == Thrown::number)
             throw 42;
     }
 
     In<Buffer> history_;
     Out<Buffer> image_;
-    std::string built_ = "fine", recorded_ = "fine";
+    Thrown built_ = Thrown::nothing, recorded_ = Thrown::nothing;
 };
 
 std::string messageOf(const std::function<void()>& action)

@@ -19,7 +19,7 @@ public:
                   "the live guide, with a density that is 10% too small");
         io.knob("cells", cells_, 1u << 10, 1u << 21, "slots, as GuidingFit's: a power of two");
         io.structural();
-        io.choice("mode", mode_, {"live", "frozen", "garbage"},
+        io.choice("mode", mode_, {{"live", Mode::live}, {"frozen", Mode::frozen}, {"garbage", Mode::garbage}},
                   "the guide, what it was in frame `from`, or its cells with random narrow lobes");
         io.knob("from", from_, 0, 1000, "frame of the guide that is frozen");
     }
@@ -32,13 +32,15 @@ public:
             frame.copy(*guide_.resource, *wrong_.resource);
         if (!held_)
             return;
-        const bool frozen = history_ && mode_ == "frozen" && frame.index() > from_;
+        const bool frozen = history_ && mode_ == Mode::frozen && frame.index() > from_;
         frame.copy(frozen ? *history_.resource : *guide_.resource, *held_.resource);
-        if (mode_ == "garbage")
+        if (mode_ == Mode::garbage)
             frame.dispatch(kernel_, HeldGuideParameters{frame.constants(), held_->address()}, cells_);
     }
 
 private:
+    enum class Mode { live, frozen, garbage };
+
     uint64_t bytes() const
     {
         return GUIDING_HEADER_BYTES + uint64_t(GUIDING_KEY_BYTES + GUIDING_CELL_BYTES + GUIDING_MEMORY_BYTES) * cells_;
@@ -47,7 +49,7 @@ private:
     In<Buffer> guide_, history_;
     Out<Buffer> held_, wrong_;
     uint32_t cells_ = 4096;
-    std::string mode_ = "live";
+    Mode mode_ = Mode::live;
     uint32_t from_ = 4;
     Kernel kernel_;
 };
