@@ -30,7 +30,7 @@ def session(scene):
 def pixel(session):
     """A pixel that has selected a path of several bounces, as the page is told of it."""
     for x in range(4, 28):
-        told = session.inspect(x, FLOOR[1])
+        told = session.inspector.pixel(x, FLOOR[1])
         if told["paths"][0] and len(told["paths"][0]["bounces"]) > 1:
             return told
     raise AssertionError("no pixel has selected a path")
@@ -58,7 +58,7 @@ def test_the_selected_path_begins_at_the_pixel_and_stays_in_the_scene(session, p
 
 def test_points_are_projected_as_pixels_see_them(session):
     pose, (x, y) = session.camera, FLOOR
-    depth = session.geometry(x, y)["depth"]
+    depth = session.inspector.geometry(x, y)["depth"]
     right, up, forward = camera.axes(pose)
     extent = np.tan(pose["yfov"] / 2)
     point = pose["position"] + depth * (
@@ -89,7 +89,7 @@ def test_the_guide_at_a_pixel_is_that_of_the_harness(session, scene):
     """guide_maps makes it from a renderer of its own, as see_guide draws it."""
     description = session.panes[0].description
     (point,), (frames,), (mixture,) = guide_maps.Learner(scene, description, [FLOOR], SIZE).run(FRAMES, SEED)
-    told = session.guide(0, *FLOOR)
+    told = session.inspector.guide(0, *FLOOR)
     order = np.argsort(-mixture.weight)
     assert told["lobes"] == [(float(mixture.kappa[i]), float(mixture.weight[i])) for i in order]
     directions, weights = frames[-1]
@@ -108,6 +108,6 @@ def test_the_guide_at_a_pixel_is_that_of_the_harness(session, scene):
 def test_a_graph_without_a_guide_refuses(scene):
     plain = Session(scene, [GRAPH], (16, 16), validation=True)
     with pytest.raises(UserError, match="no pass of type .*GuidingSplat"):
-        plain.guide(0, 8, 8)
-    told = plain.inspect(8, 8)
+        plain.inspector.guide(0, 8, 8)
+    told = plain.inspector.pixel(8, 8)
     assert told["reservoirs"] == [{}] and told["paths"] == [None]

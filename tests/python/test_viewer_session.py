@@ -161,7 +161,7 @@ def test_any_image_port_is_shown_also_one_that_nobody_reads(session):
 
 def test_a_pixel_tells_what_it_sees(session):
     session.apply({"do": "restart"})  # which leaves no picture: one is rendered
-    pixel = session.inspect(8, 8)
+    pixel = session.inspector.pixel(8, 8)
     assert pixel["geometry"]["depth"] > 1
     np.testing.assert_allclose(pixel["panes"][0]["picture"], images(session)[0][8, 8])
     session.apply({"do": "focus", "x": 8, "y": 8})

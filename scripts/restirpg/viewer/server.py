@@ -183,10 +183,12 @@ class Server:
                 client.visible = message.get("on") is True
             self._count_audience()
         elif kind == "inspect":
-            self._answer(client, self.thread.submit(self._session.inspect, message.get("x"), message.get("y")), "pixel")
+            self._answer(
+                client, self.thread.submit(self._session.inspector.pixel, message.get("x"), message.get("y")), "pixel"
+            )
         elif kind == "guide":
             asked = (message.get(name) for name in ("pane", "x", "y", "product"))
-            self._answer(client, self.thread.submit(self._session.guide, *asked), "guide")
+            self._answer(client, self.thread.submit(self._session.inspector.guide, *asked), "guide")
         else:
             self._answer(client, self.thread.submit(self._session.apply, message, client.number))
 
