@@ -72,6 +72,15 @@ bool find_previous_pixel(uvec2 at, vec2 motion, vec2 u, out uint pixel)
     return true;
 }
 
+/// The pixel that showed this one's surface in the frame before, if what it shows is similar.
+bool find_history(Address previous_surfaces, Hit hit, uvec2 at, vec2 motion, vec2 u, float normal_threshold, float depth_threshold, out uint pixel)
+{
+    if (!find_previous_pixel(at, motion, u, pixel) || primary_hit(previous_surfaces, pixel).instance == INVALID_INDEX)
+        return false;
+    Appearance today = appearance(load_surface(hit, true), frame.c.previousCamera.position);
+    return is_similar(today, load_appearance(previous_surfaces, pixel), normal_threshold, depth_threshold);
+}
+
 /// Radius in pixels of this image of a disk of neighbours: its share of the height, but never below `least`, so that small images have
 /// neighbours left [shaders/README: Sizes relative to the image].
 float disk_radius(float radius_at_1080, float least)

@@ -10,6 +10,7 @@
 
 #include "Shared.h"
 #include "light_reservoir.glsl"
+#include "mis_weights.glsl"
 #include "short_list.glsl"
 
 // First addresses of what the numbers decide; candidate i has address i.
@@ -122,18 +123,17 @@ float balance_weight(float own, float here, uint holder, LightPoint y)
     return own / sum;
 }
 
-/// A neighbour's share against the centre alone, all neighbours' confidence put on its side.
-float pairwise_share(float there, float here)
+/// A neighbour's share against the centre alone.
+float share_of_neighbour(float there, float here)
 {
-    float a = (merge.total - merge.own.confidence) * there;
-    return a / (a + merge.own.confidence * here);
+    return pairwise_share(merge.total - merge.own.confidence, there, merge.own.confidence, here);
 }
 
 /// MIS weight of neighbour j for its point y, of target `there` in its own domain and `here` (> 0) at the centre.
 float neighbour_weight(uint j, LightPoint y, float there, float here)
 {
     if (merge.pairwise)
-        return neighbour_confidence(j) / merge.total * pairwise_share(there, here);
+        return neighbour_confidence(j) / merge.total * share_of_neighbour(there, here);
     return balance_weight(neighbour_confidence(j) * there, here, j, y);
 }
 
@@ -145,7 +145,7 @@ float centre_weight(LightPoint y, float here)
         return balance_weight(merge.own.confidence * here, here, CENTRE, y);
     float weight = merge.own.confidence / merge.total;
     for (uint j = 0u; j < merge.count; ++j)
-        weight += neighbour_confidence(j) / merge.total * (1.0 - pairwise_share(target_at_neighbour(j, y), here));
+        weight += neighbour_confidence(j) / merge.total * (1.0 - share_of_neighbour(target_at_neighbour(j, y), here));
     return weight;
 }
 

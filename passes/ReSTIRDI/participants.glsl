@@ -15,15 +15,10 @@ uint pool_round(uint round)
 /// Add the pixel that showed this surface in the frame before, when there is one.
 void add_previous(ReSTIRDIParameters params, RandomKey key, uvec2 at, Hit hit, vec2 motion)
 {
+    vec2 u = random2(key, RANDOM_PARTICIPANTS + TEMPORAL_ROUND, 0u);
     uint pixel;
-    if (!find_previous_pixel(at, motion, random2(key, RANDOM_PARTICIPANTS + TEMPORAL_ROUND, 0u), pixel))
-        return;
-    if (primary_hit(merge.surfaces, pixel).instance == INVALID_INDEX)
-        return;
-    if (!is_similar(appearance(load_surface(hit, true), frame.c.previousCamera.position), load_appearance(merge.surfaces, pixel),
-                    params.normalThreshold, params.depthThreshold))
-        return;
-    add_neighbour(pixel, min(merge.reservoirs.at[pixel].confidence, params.cap));
+    if (find_history(merge.surfaces, hit, at, motion, u, params.normalThreshold, params.depthThreshold, pixel))
+        add_neighbour(pixel, min(merge.reservoirs.at[pixel].confidence, params.cap));
 }
 
 /// Add up to params.neighbours pixels of the disk about this one.

@@ -7,17 +7,6 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { ReuseParameters params; };
 
-/// The previous pixel, when there is one that shows a similar surface.
-bool find_history(uvec2 at, Hit hit, out uint pixel)
-{
-    vec2 u = random2(reuse_key(at), TEMPORAL_ROUND, 0u);
-    if (!find_previous_pixel(at, Vec2Array(params.motion).at[gl_GlobalInvocationID.y * frame.c.size.x + at.x], u, pixel))
-        return false;
-    return primary_hit(params.previousSurface, pixel).instance != INVALID_INDEX &&
-           is_similar(appearance(load_surface(hit, true), frame.c.previousCamera.position),
-                      load_appearance(params.previousSurface, pixel), params.normalThreshold, params.depthThreshold);
-}
-
 /// Owners of a merged path.
 const uint OWN = 0u;
 const uint HISTORY = 1u;
@@ -61,8 +50,10 @@ void main()
     uint pixel = at.y * frame.c.size.x + at.x;
     Hit hit = primary_hit(params.surface, pixel);
     Choice kept = Choice(PathReservoirArray(params.source).at[pixel], 0.0, OWN);
+    vec2 u = random2(reuse_key(at), TEMPORAL_ROUND, 0u);
     uint before;
-    if (hit.instance != INVALID_INDEX && find_history(at, hit, before))
+    if (hit.instance != INVALID_INDEX && find_history(params.previousSurface, hit, at, Vec2Array(params.motion).at[pixel], u,
+                                                      params.normalThreshold, params.depthThreshold, before))
         kept = merge_history(at, hit, kept.path, before);
     PathReservoirArray(params.reservoirs).at[pixel] = kept.path;
     write_origin(params.origins, pixel, kept.owner == OWN ? pixel : before | OF_HISTORY);

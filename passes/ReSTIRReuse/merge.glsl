@@ -4,6 +4,7 @@
 
 #include "Shared.h"
 
+#include "mis_weights.glsl"
 #include "neighbours.glsl"
 #include "rounds.glsl"
 #include "path_shift.glsl"
@@ -46,13 +47,6 @@ float history_share(PathReservoir y, PathReservoir image, float jacobian, float 
 {
     float share = history_confidence * luminance(y.f) / jacobian;
     return share / (share + confidence * luminance(image.f));
-}
-
-/// Spatial reuse, pairwise: a neighbour's share against the centre, with all neighbours' confidence on its side. Targets in one measure.
-float pairwise_share(float neighbours_confidence, float there, float centre_confidence, float here)
-{
-    float share = neighbours_confidence * there;
-    return share > 0.0 ? share / (share + centre_confidence * here) : 0.0;
 }
 
 /// The share of a neighbour's path y against the centre, which sees it as `image`.

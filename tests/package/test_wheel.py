@@ -14,8 +14,6 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.compile_bound
-
 ROOT = Path(__file__).parents[2]
 BUILD = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build"))
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())

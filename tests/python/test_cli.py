@@ -14,8 +14,6 @@ from pathlib import Path
 import pytest
 import renderer_scenes
 
-pytestmark = pytest.mark.compile_bound
-
 ROOT = Path(__file__).parents[2]
 BUILD = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build"))
 PROGRAM = BUILD / "bin" / "restirpg"

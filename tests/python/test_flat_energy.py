@@ -15,8 +15,6 @@ from scipy import stats
 from restirpg.harness.statistics import LEVEL
 from restirpg.harness.unbiased import independent_runs
 
-pytestmark = pytest.mark.compile_bound
-
 RUNS, FRAME, SIZE, BOUNCES = 96, 6, (24, 24), 2
 BATCHES, BATCH_FRAMES = 96, 32  # of the path tracer
 CHOSEN_PAIRS = {"rounds": 2, "neighbours": 6, "reciprocal": True, "pool": 4}

@@ -23,8 +23,6 @@ from renderer_scenes import (  # noqa: F401
     scene_file,
 )
 
-pytestmark = pytest.mark.compile_bound
-
 FRAMES = 6
 #: Cells of this part of the image's height hold some ten samples each at 32 x 32.
 CELL_SIZE = 0.15

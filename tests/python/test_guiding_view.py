@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 
-pytestmark = pytest.mark.compile_bound
-
 
 @pytest.fixture(scope="module")
 def views(scene):

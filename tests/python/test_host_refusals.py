@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 from renderer_scenes import GRAPH, make_renderer, restirpg, scene, scene_file, write_flying_panel  # noqa: F401
 
-pytestmark = pytest.mark.compile_bound
-
 
 @pytest.fixture(scope="module")
 def renderer(scene):

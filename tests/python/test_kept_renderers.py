@@ -13,8 +13,6 @@ from restirpg.harness.jobs import Job
 from restirpg.harness.motion import Motion
 from restirpg.harness.workers import Pool
 
-pytestmark = pytest.mark.compile_bound
-
 FRAMES = 3
 
 

@@ -19,8 +19,6 @@ from mutants import mutant
 from path_scenes import OUTPUTS, probe_graph, write_every_bounce
 from renderer_scenes import SIZE, own_plugins, restirpg  # noqa: F401
 
-pytestmark = pytest.mark.compile_bound
-
 FRAMES = 96
 FEWER_FRAMES = 24
 LEAST_PATHS, LEAST_TRIPS = 60, 5  # of a class

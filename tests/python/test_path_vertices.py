@@ -14,8 +14,6 @@ from triangles import load_triangles
 
 from restirpg.records import record
 
-pytestmark = pytest.mark.compile_bound
-
 FRAMES = 4
 PORTS = ["paths.vertices", "reuse.vertices"]
 #: Length of the edges that are tested, m: on shorter ones the rounding of positions shows.

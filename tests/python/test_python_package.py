@@ -13,8 +13,6 @@ from renderer_scenes import GRAPH, ROOT, make_renderer, restirpg, scene, scene_f
 
 from restirpg.harness.render import native_file
 
-pytestmark = pytest.mark.compile_bound
-
 WHERE = "import restirpg; restirpg.Renderer; print(restirpg._native.__file__)"
 
 

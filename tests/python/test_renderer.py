@@ -19,8 +19,6 @@ from renderer_scenes import (  # noqa: F401
     write_flying_panel,
 )
 
-pytestmark = pytest.mark.compile_bound
-
 
 def image_after(renderer, frames, output="image"):
     """The output after so many more frames."""

@@ -30,8 +30,6 @@ from restirpg.harness.render import load_scene
 from restirpg.harness.scenes import facts
 from restirpg.harness.workers import Pool
 
-pytestmark = pytest.mark.compile_bound
-
 SMALL = "--quick --size 16x9 --frames 2 --seeds 2 --reference-frames 16".split()
 
 

@@ -114,7 +114,6 @@ def test_the_mean_does_not_depend_on_what_is_reused(scene, box_reference, settin
 
 
 # The mistake, and settings under which it matters. The weights' sums below find that of the previous camera.
-@pytest.mark.compile_bound
 @pytest.mark.parametrize(
     ("mistake", "settings"),
     [
@@ -163,13 +162,11 @@ def weight_sums(every_light, pairwise=True):
     return worst
 
 
-@pytest.mark.compile_bound
 @pytest.mark.parametrize("pairwise", [True, False])
 def test_the_weights_of_every_point_add_up_to_one(own_plugins, every_light, pairwise):
     assert weight_sums(every_light, pairwise=pairwise).max() < PARTITION_TOLERANCE
 
 
-@pytest.mark.compile_bound
 @pytest.mark.parametrize("mistake", ["di_visibility", "di_cap", "di_previous_camera"])
 def test_a_mistake_breaks_the_weights_sum(own_plugins, every_light, mistake):
     with mutant(mistake, "MergeProbe"):

@@ -73,7 +73,6 @@ def test_a_closed_furnace_gives_its_series_whatever_is_reused(box, reuse, nee):
     assert standard_errors_off(means, EXPECTED + ALBEDO ** (BOUNCES + 2)) > 2 * LIMIT  # a bounce too many
 
 
-@pytest.mark.compile_bound
 @pytest.mark.parametrize("mistake", ["tree_light_measure", "tree_found_lights"])
 def test_a_mistake_in_the_candidates_shows_in_the_furnace(tmp_path, mistake):
     with mutant(mistake, "PathTracerGuided"):
@@ -83,7 +82,6 @@ def test_a_mistake_in_the_candidates_shows_in_the_furnace(tmp_path, mistake):
     assert standard_errors_off(means, EXPECTED) > 2 * LIMIT
 
 
-@pytest.mark.compile_bound
 def test_a_clear_pane_loses_no_light_but_without_the_probability_of_labels(tmp_path):
     """It reflects or transmits; a label's value over its probability is 1."""
 
@@ -140,7 +138,6 @@ def test_no_path_goes_through_a_screen(screened, reuse):
     assert light_behind_the_screen(screened, REUSE[reuse]) == 0
 
 
-@pytest.mark.compile_bound
 def test_a_connection_that_is_not_traced_goes_through_the_screen(tmp_path):
     with mutant("reuse_visibility", "ReSTIRReuse"):
         assert light_behind_the_screen(screened_renderer(tmp_path), {}) > 0.01

@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 from renderer_scenes import GRAPH, restirpg, scene_file  # noqa: F401
 
-pytestmark = pytest.mark.compile_bound
-
 SIZE = (16, 16)
 FRAMES = 2
 LAMP = np.array([[1, 0, 0, 0], [0, 1, 0, 1.5], [0, 0, 1, 0.5], [0, 0, 0, 1]], float)

@@ -14,8 +14,6 @@ import numpy as np
 import pytest
 from renderer_scenes import make_renderer, restirpg, write_outside
 
-pytestmark = pytest.mark.compile_bound
-
 ALBEDO = 0.8
 TO_LIGHT = np.array([0.3, 0.4, math.sqrt(0.75)])
 TEXEL = (190, 90, 230)  # of the normal map, everywhere

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 from renderer_scenes import make_renderer, restirpg, scene, scene_file  # noqa: F401
 
-pytestmark = pytest.mark.compile_bound
-
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 

@@ -9,8 +9,6 @@ from restirpg.harness import UserError, guide_maps, guiding
 from restirpg.viewer import camera, guide, reservoirs
 from restirpg.viewer.session import Session
 
-pytestmark = pytest.mark.compile_bound
-
 SIZE = (32, 32)
 FLOOR = (16, 28)
 FRAMES, SEED = 12, 1

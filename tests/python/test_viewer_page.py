@@ -7,8 +7,6 @@ import pytest
 from renderer_scenes import GRAPH, restirpg, scene, scene_file  # noqa: F401
 from webdriver import Browser
 
-pytestmark = pytest.mark.compile_bound
-
 SIZE = (32, 18)
 EDITED = "graph.name = 'Edited'\n"
 

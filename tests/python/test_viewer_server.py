@@ -12,8 +12,6 @@ import time
 import pytest
 from renderer_scenes import GRAPH, restirpg, scene, scene_file  # noqa: F401
 
-pytestmark = pytest.mark.compile_bound
-
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: the viewer's server is not tested")
 Image = pytest.importorskip("PIL.Image", reason="Pillow is not installed: the viewer's server is not tested")
 

@@ -16,8 +16,6 @@ from restirpg.viewer import camera, capture, pictures
 from restirpg.viewer.session import Session
 from restirpg.viewer.watch import Watch
 
-pytestmark = pytest.mark.compile_bound
-
 SIZE = (16, 16)
 
 
