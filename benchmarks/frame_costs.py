@@ -1,0 +1,94 @@
+#!/usr/bin/python3
+"""What a frame of each method costs, in turn on one idle machine.
+
+    benchmarks/frame_costs.py GRAPH[@KNOB=VALUE,label=NAME]... --scene FILE [--size 160x90] [--warm 6] [--rounds 20]
+
+All methods are kept at hand with their history, and render one frame each in every round, so that what else the machine
+does meets all of them. Printed is the device's time of a settled frame, its mean ± one standard error over rounds, the
+ratio to the first method of the same round, and each pass. --csv FILE has a row for each round, method and pass.
+"""
+
+import argparse
+import csv
+import io
+import sys
+
+import restirpg
+from restirpg.harness import files, jobs, program, render, statistics
+
+
+def parse(arguments):
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    add = parser.add_argument
+    add("graphs", nargs="+", metavar="GRAPH", help="graph files, with knobs as for scripts/compare.py")
+    add("--scene", required=True, help="a .glb or .gltf file")
+    add("--size", type=program.size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
+    add("--bounces", type=program.positive, metavar="N", help="bounce cap (the graphs' own)")
+    add("--warm", type=program.positive, default=6, metavar="N", help="frames of each before the first round (6)")
+    add("--rounds", type=program.positive, default=20, metavar="N", help="rounds (20)")
+    add("--csv", metavar="FILE", help="where the times are written")
+    return parser.parse_args(arguments)
+
+
+def settled(method, scene, options):
+    """A renderer of the method with its history."""
+    renderer = restirpg.Renderer(scene, restirpg.load_graph(method.graph), size=options.size, seed=1)
+    if options.bounces:
+        renderer.set_everywhere("bounces", options.bounces)
+    for knob, value in method.knobs:
+        (renderer.set if "." in knob else renderer.set_everywhere)(knob, value)
+    renderer.render(options.warm)
+    return renderer
+
+
+def one_frame(renderer):
+    """Milliseconds of each pass of the next frame."""
+    before = dict(renderer.total_gpu_times())
+    renderer.render(1)
+    return {name: after - before.get(name, 0.0) for name, after in renderer.total_gpu_times().items()}
+
+
+def told(label, rounds, baseline):
+    """A method's row of what is printed. rounds: {pass: milliseconds} of each round."""
+    sums = [sum(passes.values()) for passes in rounds]
+    mean, error = statistics.mean_se(sums)
+    ratio, spread = statistics.ratio(sums, baseline)
+    parts = ", ".join(f"{name} {statistics.mean_se([one[name] for one in rounds])[0]:.1f}" for name in rounds[0])
+    return f"{label:24} {mean:8.1f} ± {error:5.1f} ms   x{ratio:.3f} ± {spread:.3f}   {parts}"
+
+
+def measure(options):
+    """Measure and print. Returns the exit code."""
+    methods = [jobs.parse_method(text) for text in options.graphs]
+    scene = restirpg.load_scene(options.scene)
+    renderers = [settled(method, scene, options) for method in methods]
+    times = [[] for _ in methods]
+    for _ in range(options.rounds):
+        for renderer, rounds in zip(renderers, times):
+            rounds.append(one_frame(renderer))
+    baseline = [sum(passes.values()) for passes in times[0]]
+    for method, rounds in zip(methods, times):
+        print(told(method.label, rounds, baseline))
+    if options.csv:
+        rows = [
+            (method.label, number, name, f"{value:.4g}")
+            for method, rounds in zip(methods, times)
+            for number, passes in enumerate(rounds)
+            for name, value in passes.items()
+        ]
+        stream = io.StringIO(newline="")
+        csv.writer(stream).writerows([("method", "round", "pass", "gpu_ms"), *rows])
+        files.write(options.csv, stream.getvalue())
+    return 0
+
+
+def main(arguments):
+    """The command line. Returns the exit code."""
+    options = parse(arguments)
+    with render.refusals():
+        return measure(options)
+
+
+if __name__ == "__main__":
+    sys.exit(program.run("frame_costs.py", lambda _: main(sys.argv[1:])))
