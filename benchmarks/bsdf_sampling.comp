@@ -2,9 +2,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "prelude.glsl"
-#include "labels.glsl"
-#include "random.glsl"
-#include "scene.glsl"
+#include "bsdf/labels.glsl"
+#include "math/random.glsl"
+#include "scene/scene.glsl"
 #include "Shared.h"
 
 layout(local_size_x = 64) in;

@@ -2,8 +2,8 @@
 
 Six partners take as many shifts as three neighbours. Each partner is chosen from four, within some 10 pixels (20 at
 1080 lines). benchmarks/results/restir_pg_plus has the errors. The other methods take the same by
-`reuse.reciprocal=true,reuse.neighbours=6,reuse.pool=4,reuse.least_radius=10`. Two path trees, `paths.trees=2`, lower the
-error further, for a dearer frame.
+`reuse.reciprocal=true,reuse.neighbours=6,reuse.pool=4,reuse.least_radius=10`. Two path trees, `paths.trees=2`, lower
+the error further, for a dearer frame.
 """
 
 from pipeline import pipeline

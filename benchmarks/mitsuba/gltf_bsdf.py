@@ -1,5 +1,5 @@
 """The renderer's glTF material as a BSDF of Mitsuba 3, written from its formulas (head of
-framework/shaders/bsdf_model.glsl).
+framework/shaders/bsdf/bsdf_model.glsl).
 
 Import it after mitsuba.set_variant. Only the value of f is the renderer's: Fresnel, GGX and refraction are Mitsuba's
 own functions, masking is written with Smith's Lambda, and directions are drawn from a mixture of this file's own. What

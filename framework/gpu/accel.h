@@ -2,7 +2,7 @@
 #pragma once
 
 #include "gpu/device.h"
-#include "shaders/scene_types.h"
+#include "shaders/scene/scene_types.h"
 
 #include <memory>
 #include <span>

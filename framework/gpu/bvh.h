@@ -1,7 +1,7 @@
 // Two-child bounding volume hierarchies for the software back end, built by Embree's BVH builder.
 #pragma once
 
-#include "shaders/scene_types.h"
+#include "shaders/scene/scene_types.h"
 
 #include <span>
 #include <vector>

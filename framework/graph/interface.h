@@ -112,7 +112,7 @@ inline PortType fixedSize(const std::string& name, std::function<uint64_t()> byt
 }
 
 /// A guide of the type `name`: `layout` tells its size, `module` is the GLSL file that gives it a meaning (see
-/// shaders/guide.glsl).
+/// shaders/guide/guide.glsl).
 inline PortType guide(const std::string& name, PortType layout, std::string module)
 {
     layout.name = name;

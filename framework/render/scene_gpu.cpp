@@ -2,7 +2,7 @@
 
 #include "core/error.h"
 #include "scene/energy_table.h"
-#include "shaders/path_vertex_types.h"
+#include "shaders/restir/path_vertex_types.h"
 
 #include <algorithm>
 #include <map>

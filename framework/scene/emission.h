@@ -14,7 +14,7 @@ inline double luminance(const glm::dvec3& rgb)
     return glm::dot(rgb, glm::dvec3(0.2126, 0.7152, 0.0722));
 }
 
-/// Equal parts of a triangle, by their emission. Part y * side + x is shaders/lights.glsl's emission_part.
+/// Equal parts of a triangle, by their emission. Part y * side + x is shaders/scene/lights.glsl's emission_part.
 struct EmissionParts {
     uint32_t side;
     std::vector<double> luminances;  ///< side^2 of them

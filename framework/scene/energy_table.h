@@ -1,7 +1,7 @@
-// What GGX returns by single scattering, tabulated: the basis of energy compensation (shaders/energy.glsl).
+// What GGX returns by single scattering, tabulated: the basis of energy compensation (shaders/bsdf/energy.glsl).
 #pragma once
 
-#include "shaders/scene_types.h"
+#include "shaders/scene/scene_types.h"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 // A scene on the host: what glTF says, ready to be uploaded. Knows no GPU.
 #pragma once
 
-#include "shaders/scene_types.h"
+#include "shaders/scene/scene_types.h"
 
 #include <glm/gtc/quaternion.hpp>
 
@@ -32,8 +32,8 @@ struct Texture {
     /// Linear RGBA of one texel.
     glm::vec4 texel(uint32_t x, uint32_t y) const;
 
-    /// Linear RGBA at (u, v), with the texture's own wrap and filter, the kernels' value (shaders/texture.glsl) but for
-    /// rounding.
+    /// Linear RGBA at (u, v), with the texture's own wrap and filter, the kernels' value (shaders/scene/texture.glsl)
+    /// but for rounding.
     glm::vec4 sample(glm::vec2 uv) const;
 };
 

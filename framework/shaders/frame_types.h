@@ -1,7 +1,7 @@
 // What every kernel knows of the frame it works on. Shared by C++ and GLSL: see types.h.
 #ifndef RESTIRPG_FRAME_TYPES_H
 #define RESTIRPG_FRAME_TYPES_H
-#include "scene_types.h"
+#include "shaders/scene/scene_types.h"
 RESTIRPG_SHARED
 
 struct FrameConstants {

@@ -1,7 +1,7 @@
 // Adds a frame to each pixel's running mean and variance.
 #version 460
-#include "scene.glsl"
-#include "double_single.glsl"
+#include "scene/scene.glsl"
+#include "math/double_single.glsl"
 #include "Shared.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;

@@ -1,7 +1,7 @@
 // Structs shared by Accumulate.cpp and Accumulate.comp: see shaders/types.h.
 #ifndef RESTIRPG_ACCUMULATE_SHARED_H
 #define RESTIRPG_ACCUMULATE_SHARED_H
-#include "shaders/double_single_types.h"
+#include "shaders/math/double_single_types.h"
 RESTIRPG_SHARED
 
 /// What a pixel knows of the frames so far. 56 bytes; all zero: none.

@@ -1,8 +1,8 @@
 // The errors of an image against a reference, in four dispatches of one source (STAGE). MAPE of a pixel needs the mean
 // luminance of the reference over the valid pixels, hence a reduction before the one of the errors.
 #version 460
-#include "scene.glsl"
-#include "double_single.glsl"
+#include "scene/scene.glsl"
+#include "math/double_single.glsl"
 #include "Shared.h"
 
 #define SUM_REFERENCE 0

@@ -1,8 +1,8 @@
 // Structs shared by ErrorMeasure.cpp and ErrorMeasure.comp: see shaders/types.h.
 #ifndef RESTIRPG_ERROR_MEASURE_SHARED_H
 #define RESTIRPG_ERROR_MEASURE_SHARED_H
-#include "shaders/double_single_types.h"
-#include "shaders/scene_types.h"
+#include "shaders/math/double_single_types.h"
+#include "shaders/scene/scene_types.h"
 RESTIRPG_SHARED
 
 /// Sums are made by this many invocations, each over every LANES-th pixel, and then added up in their order: the same

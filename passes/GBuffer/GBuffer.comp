@@ -1,13 +1,13 @@
 #version 460
 #include "prelude.glsl"
 #include "Shared.h"
-#include "camera.glsl"
-#include "environment.glsl"
-#include "lights.glsl"
-#include "neighbours.glsl"
-#include "random.glsl"
-#include "surface.glsl"
-#include "trace.glsl"
+#include "scene/camera.glsl"
+#include "scene/environment.glsl"
+#include "scene/lights.glsl"
+#include "restir/neighbours.glsl"
+#include "math/random.glsl"
+#include "scene/surface.glsl"
+#include "trace/trace.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { GBufferParameters params; };

@@ -3,7 +3,7 @@
 #include "prelude.glsl"
 #include "Shared.h"
 #include "fit.glsl"
-#include "guiding_mixture.glsl"
+#include "guide/guiding_mixture.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { GuidingFitParameters params; };

@@ -1,6 +1,6 @@
-// The functions of shaders/guide.glsl for GuidingFit's guide: a mixture of von Mises-Fisher lobes in each cell of the grid.
-#include "guiding_grid.glsl"
-#include "vmf_mixture.glsl"
+// The functions of shaders/guide/guide.glsl for GuidingFit's guide: a mixture of von Mises-Fisher lobes in each cell of the grid.
+#include "guide/guiding_grid.glsl"
+#include "math/vmf_mixture.glsl"
 
 struct Guide {
     VmfMixture mixture;

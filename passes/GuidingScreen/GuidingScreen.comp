@@ -3,10 +3,10 @@
 #version 460
 #include "prelude.glsl"
 #include "fit.glsl"
-#include "lights.glsl"
-#include "neighbours.glsl"
-#include "path_vertex.glsl"
-#include "random.glsl"
+#include "scene/lights.glsl"
+#include "restir/neighbours.glsl"
+#include "restir/path_vertex.glsl"
+#include "math/random.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { GuidingScreenParameters params; };

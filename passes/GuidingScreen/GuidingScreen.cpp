@@ -1,6 +1,6 @@
 #include "Shared.h"
 #include "render/frame.h"
-#include "shaders/path_vertex_types.h"
+#include "shaders/restir/path_vertex_types.h"
 
 namespace restirpg {
 

@@ -1,4 +1,4 @@
-// The functions of shaders/guide.glsl for GuidingScreen's guide: one lobe per pixel, for the bounce at the primary hit only.
+// The functions of shaders/guide/guide.glsl for GuidingScreen's guide: one lobe per pixel, for the bounce at the primary hit only.
 #include "lobe.glsl"
 
 #define Guide PlacedLobe

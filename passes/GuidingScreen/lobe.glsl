@@ -3,9 +3,9 @@
 #define RESTIRPG_SCREEN_LOBE_GLSL
 
 #include "Shared.h"
-#include "gaussian.glsl"
-#include "hemisphere_square.glsl"
-#include "vmf.glsl"
+#include "math/gaussian.glsl"
+#include "math/hemisphere_square.glsl"
+#include "math/vmf.glsl"
 
 /// No surface of a scene is likely to be normal to this.
 const vec3 UNLIKELY_NORMAL = vec3(0.47, -0.63, 0.618);

@@ -3,7 +3,7 @@
 #version 460
 #include "prelude.glsl"
 #include "Shared.h"
-#include "guiding_mixture.glsl"
+#include "guide/guiding_mixture.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { GuidingSplatParameters params; };

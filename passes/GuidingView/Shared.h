@@ -2,7 +2,7 @@
 #ifndef RESTIRPG_GUIDING_VIEW_SHARED_H
 #define RESTIRPG_GUIDING_VIEW_SHARED_H
 #include "shaders/frame_types.h"
-#include "shaders/guiding_grid_types.h"
+#include "shaders/guide/guiding_grid_types.h"
 RESTIRPG_SHARED
 
 struct GuidingViewParameters {

@@ -1,7 +1,7 @@
 #version 460
 #include "prelude.glsl"
 #include "Shared.h"
-#include "path_reservoir.glsl"
+#include "restir/path_reservoir.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { PathTracerParameters params; };

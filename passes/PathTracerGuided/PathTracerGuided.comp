@@ -1,9 +1,9 @@
 #version 460
 #include "prelude.glsl"
 #include "Shared.h"
-#include "lights.glsl"
-#include "trace.glsl"
-#include "transmittance.glsl"
+#include "scene/lights.glsl"
+#include "trace/trace.glsl"
+#include "bsdf/transmittance.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { PathTracerParameters params; };

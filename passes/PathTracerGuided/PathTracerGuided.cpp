@@ -1,7 +1,7 @@
 #include "Shared.h"
 #include "render/frame.h"
-#include "shaders/path_reservoir_types.h"
-#include "shaders/path_vertex_types.h"
+#include "shaders/restir/path_reservoir_types.h"
+#include "shaders/restir/path_vertex_types.h"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 #ifndef RESTIRPG_PATH_TRACER_TRAINING_GLSL
 #define RESTIRPG_PATH_TRACER_TRAINING_GLSL
 
-#include "path_vertex.glsl"
+#include "restir/path_vertex.glsl"
 
 /// Bounces of the tree so far, and where its first one stands in the arrays of vertices and of samples.
 uint tree_bounces;

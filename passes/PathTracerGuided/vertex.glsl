@@ -2,8 +2,8 @@
 #ifndef RESTIRPG_PATH_TRACER_VERTEX_GLSL
 #define RESTIRPG_PATH_TRACER_VERTEX_GLSL
 
-#include "guide.glsl"
-#include "labels.glsl"
+#include "guide/guide.glsl"
+#include "bsdf/labels.glsl"
 
 /// Where a path scatters, and what guides it there.
 struct Vertex {

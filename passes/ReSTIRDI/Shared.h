@@ -2,7 +2,7 @@
 #ifndef RESTIRPG_RESTIR_DI_SHARED_H
 #define RESTIRPG_RESTIR_DI_SHARED_H
 #include "shaders/frame_types.h"
-#include "shaders/light_reservoir_types.h"
+#include "shaders/restir/light_reservoir_types.h"
 RESTIRPG_SHARED
 
 /// Neighbours that one pixel can merge in one round: the arrays of merge.glsl have this length.

@@ -9,9 +9,9 @@
 #define RESTIRPG_RESTIR_DI_MERGE_GLSL
 
 #include "Shared.h"
-#include "light_reservoir.glsl"
-#include "mis_weights.glsl"
-#include "short_list.glsl"
+#include "restir/light_reservoir.glsl"
+#include "restir/mis_weights.glsl"
+#include "math/short_list.glsl"
 
 // First addresses of what the numbers decide; candidate i has address i.
 const uint RANDOM_RESAMPLING = 11u;  ///< dimension of a candidate: is it kept?

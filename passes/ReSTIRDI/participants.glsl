@@ -4,7 +4,7 @@
 #define RESTIRPG_RESTIR_DI_PARTICIPANTS_GLSL
 
 #include "merge.glsl"
-#include "neighbours.glsl"
+#include "restir/neighbours.glsl"
 
 /// Where the numbers of a round begin that choose from pools: MAX_POOL addresses a neighbour.
 uint pool_round(uint round)

@@ -2,7 +2,7 @@
 #ifndef RESTIRPG_RESTIR_REUSE_SHARED_H
 #define RESTIRPG_RESTIR_REUSE_SHARED_H
 #include "shaders/frame_types.h"
-#include "shaders/path_reservoir_types.h"
+#include "shaders/restir/path_reservoir_types.h"
 RESTIRPG_SHARED
 
 struct ReuseParameters {

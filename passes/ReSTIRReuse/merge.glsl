@@ -4,10 +4,10 @@
 
 #include "Shared.h"
 
-#include "mis_weights.glsl"
-#include "neighbours.glsl"
+#include "restir/mis_weights.glsl"
+#include "restir/neighbours.glsl"
 #include "rounds.glsl"
-#include "path_shift.glsl"
+#include "restir/path_shift.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vec2Array { vec2 at[]; };
 

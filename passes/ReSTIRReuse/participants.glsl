@@ -4,7 +4,7 @@
 
 #include "merge.glsl"
 #include "pairs.glsl"
-#include "short_list.glsl"
+#include "math/short_list.glsl"
 
 #ifndef RECIPROCAL
 #define RECIPROCAL 0

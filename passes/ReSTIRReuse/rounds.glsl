@@ -4,7 +4,7 @@
 #define RESTIRPG_RESTIR_REUSE_ROUNDS_GLSL
 
 #include "Shared.h"
-#include "random.glsl"
+#include "math/random.glsl"
 
 const uint TEMPORAL_ROUND = 0xffffu;
 

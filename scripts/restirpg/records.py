@@ -27,7 +27,7 @@ def _headers():
     """The headers' text without comments. They are those that the framework was compiled with."""
     root = Path(restirpg.GRAPHS).parent  # of a clone, or share/restirpg of an installed tree
     folder = next(path for path in (root / "shaders", root / "framework" / "shaders") if path.is_dir())
-    text = "\n".join(file.read_text() for file in sorted(folder.glob("*_types.h")))
+    text = "\n".join(file.read_text() for file in sorted(folder.rglob("*_types.h")))
     return re.sub(r"//.*", "", text)
 
 

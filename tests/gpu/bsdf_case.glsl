@@ -1,7 +1,7 @@
 // What the BSDF test kernels have in common.
-#include "labels.glsl"
-#include "random.glsl"
-#include "scene.glsl"
+#include "bsdf/labels.glsl"
+#include "math/random.glsl"
+#include "scene/scene.glsl"
 #include "bsdf_case.h"
 
 layout(local_size_x = 64) in;

@@ -8,7 +8,7 @@
 
 namespace restirpg::test {
 
-// framework/shaders/bsdf.glsl
+// framework/shaders/bsdf/bsdf.glsl
 constexpr uint32_t LOBE_DIFFUSE = 1;
 constexpr uint32_t LOBE_REFLECT = 2;
 constexpr uint32_t LOBE_TRANSMIT = 4;

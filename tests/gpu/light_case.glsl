@@ -1,5 +1,5 @@
 // What the light test kernels have in common.
-#include "lights.glsl"
+#include "scene/lights.glsl"
 #include "light_case.h"
 
 layout(local_size_x = 64) in;

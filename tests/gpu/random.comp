@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "prelude.glsl"
-#include "random.glsl"
+#include "math/random.glsl"
 #include "random_case.h"
 
 layout(local_size_x = 64) in;

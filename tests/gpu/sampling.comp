@@ -2,8 +2,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "prelude.glsl"
-#include "random.glsl"
-#include "sampling.glsl"
+#include "math/random.glsl"
+#include "math/sampling.glsl"
 #include "sampling_case.h"
 
 layout(local_size_x = 64) in;

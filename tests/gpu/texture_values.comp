@@ -1,7 +1,7 @@
 // A texture at places that the host chose.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "texture.glsl"
+#include "scene/texture.glsl"
 #include "texture_case.h"
 
 layout(local_size_x = 64) in;

@@ -1,8 +1,8 @@
 // What the kernels that test the guiding grid's samplers have in common. Compiled with GUIDED = 1 and GuidingFit's module.
 #include "prelude.glsl"
-#include "scene.glsl"
+#include "scene/scene.glsl"
 #include "grid_guide_case.h"
-#include "guiding_grid.glsl"
+#include "guide/guiding_grid.glsl"
 
 layout(local_size_x = 64) in;
 

@@ -3,9 +3,9 @@
 #define RESTIRPG_TEST_GRID_GUIDE_CASE_H
 #include "../gpu/bsdf_case.h"
 #ifdef __cplusplus
-#include "shaders/guiding_grid_types.h"
+#include "shaders/guide/guiding_grid_types.h"
 #else
-#include "guiding_grid_types.h"
+#include "guide/guiding_grid_types.h"
 #endif
 RESTIRPG_SHARED
 

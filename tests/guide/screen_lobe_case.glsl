@@ -1,6 +1,6 @@
 // What the kernels that test GuidingScreen's lobes have in common. Compiled with GUIDED = 1 and the pass's module.
-#include "guide.glsl"
-#include "random.glsl"
+#include "guide/guide.glsl"
+#include "math/random.glsl"
 #include "screen_lobe_case.h"
 
 layout(local_size_x = 64) in;

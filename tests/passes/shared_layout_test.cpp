@@ -1,9 +1,9 @@
 // Every struct that C++ and GLSL share lies in memory as the compiled kernels read it: offsets and sizes of C++ against
 // SPIR-V's.
 #include "gpu/shader.h"
-#include "shaders/double_single_types.h"
 #include "shaders/frame_types.h"
-#include "shaders/path_vertex_types.h"
+#include "shaders/math/double_single_types.h"
+#include "shaders/restir/path_vertex_types.h"
 
 #include "../../passes/Accumulate/Shared.h"
 #include "../../passes/ErrorMeasure/Shared.h"
@@ -142,7 +142,7 @@ std::string kernelText()
         uses += fmt::format("    {0}Array(address).at[0] = {0}Array(address).at[1];\n", layout.name);
     }
     std::string includes =
-        "#include \"prelude.glsl\"\n#include \"double_single_types.h\"\n#include \"path_vertex_types.h\"\n";
+        "#include \"prelude.glsl\"\n#include \"math/double_single_types.h\"\n#include \"restir/path_vertex_types.h\"\n";
     for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "GuidingFit", "GuidingScreen", "GuidingSplat",
                              "GuidingView", "PathTracerGuided", "ReSTIRDI", "ReSTIRReuse", "ToneMap"})
         includes += fmt::format("#include \"{}/passes/{}/Shared.h\"\n", RESTIRPG_SOURCE, pass);

@@ -15,7 +15,7 @@ SHADERS = ROOT / "framework" / "shaders"
 def compiled_layouts(folder):
     """{record: ({member: offset}, size)} of a kernel that has an array of each record, from its disassembly."""
     names = records.names()
-    headers = "".join(f'#include "{file.name}"\n' for file in sorted(SHADERS.glob("*_types.h")))
+    headers = "".join(f'#include "{file.relative_to(SHADERS)}"\n' for file in sorted(SHADERS.rglob("*_types.h")))
     arrays = "".join(
         f"layout(set = 0, binding = {n}, scalar) buffer Array{n} {{ {name} at[]; }} array{n};\n"
         for n, name in enumerate(names)

@@ -15,8 +15,8 @@ a/room.glb,second,1,4,0.15,40
 a/hall.glb,first,0,4,0.20,40
 """
 MARKER = "<!-- table: runs.csv frame=4 value=mape against=first -->"
-# Means of two seeds differ from each by half their distance: that is the standard error. The second is half of the first
-# in both seeds, so that the change has none.
+# Means of two seeds differ from each by half their distance: that is the standard error. The second is half of the
+# first in both seeds, so that the change has none.
 TABLE = """|  | room | hall |
 | --- | --- | --- |
 | first | 40.0 ± 10.0% | 20.0 ± nan% |

@@ -200,7 +200,7 @@ def test_reload_takes_an_edited_graph_and_an_edited_shader(write, tmp_path, monk
     with pytest.raises(restirpg.Error, match=r"own.py:3: .*NoSuchPass"):
         renderer.reload()
 
-    random, source = shaders / "random.glsl", (shaders / "random.glsl").read_text()
+    random, source = shaders / "math/random.glsl", (shaders / "math/random.glsl").read_text()
     random.write_text(source + "\nthis is no GLSL\n")
     with pytest.raises(restirpg.Error, match=rf"random.glsl:{source.count(chr(10)) + 2}"):
         renderer.reload(restirpg.load_graph(GRAPH))

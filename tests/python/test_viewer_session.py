@@ -302,7 +302,7 @@ def test_a_shader_that_does_not_compile_is_located_and_the_old_one_goes_on(scene
     monkeypatch.setenv("RESTIRPG_SHADERS", str(shaders))
     session = Session(scene, [GRAPH], SIZE, validation=True)
     watch = Watch([GRAPH])
-    edited, good = shaders / "random.glsl", (shaders / "random.glsl").read_text()
+    edited, good = shaders / "math/random.glsl", (shaders / "math/random.glsl").read_text()
     edited.write_text(good + "\nthis is no GLSL\n")
     monkeypatch.setattr("restirpg.viewer.watch._SECONDS", 0.0)
     assert watch.changed() == [str(edited)] and watch.changed() == []

@@ -238,7 +238,7 @@ TEST(LightTable, ASingleBrightTexelIsFound)
     EXPECT_EQ(table.lights[0].pmf, 1);
 }
 
-/// The part of a triangle, of side^2 (shaders/lights.glsl's emission_part), that barycentrics lie in.
+/// The part of a triangle, of side^2 (shaders/scene/lights.glsl's emission_part), that barycentrics lie in.
 size_t partOf(glm::dvec2 barycentrics, uint32_t side)
 {
     const glm::dvec2 place = barycentrics * double(side);

@@ -1,8 +1,8 @@
 #version 460
 #include "prelude.glsl"
 #include "Shared.h"
-#include "surface.glsl"
-#include "trace.glsl"
+#include "scene/surface.glsl"
+#include "trace/trace.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { LeaveSurfaceParameters params; };

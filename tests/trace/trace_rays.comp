@@ -1,7 +1,7 @@
 #version 460
 #include "prelude.glsl"
 #include "Shared.h"
-#include "trace.glsl"
+#include "trace/trace.glsl"
 
 struct Ray {
     vec3 origin;

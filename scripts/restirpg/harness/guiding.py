@@ -1,4 +1,4 @@
-"""What is in the guiding grid's buffers (framework/shaders/guiding_grid_types.h, path_vertex_types.h), for
+"""What is in the guiding grid's buffers (framework/shaders/guide/guiding_grid_types.h, path_vertex_types.h), for
 scripts and tests to read.
 
 Tables are dictionaries from key to records. Positions and lengths in m, densities in 1/sr.

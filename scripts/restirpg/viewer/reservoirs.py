@@ -1,5 +1,5 @@
 """What a pixel's reservoirs hold, in words, and the vertices of the path that it has selected: the records of
-framework/shaders/path_reservoir_types.h, light_reservoir_types.h and path_vertex_types.h."""
+framework/shaders/restir/path_reservoir_types.h, light_reservoir_types.h and path_vertex_types.h."""
 
 import numpy as np
 

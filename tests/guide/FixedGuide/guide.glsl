@@ -1,5 +1,5 @@
 #include "FixedGuideShared.h"
-#include "vmf.glsl"
+#include "math/vmf.glsl"
 
 #define Guide FixedGuideLobe
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LobeBuffer { FixedGuideLobe lobe; };

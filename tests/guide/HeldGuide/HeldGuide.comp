@@ -1,7 +1,7 @@
 #version 460
 #include "prelude.glsl"
 #include "HeldGuideShared.h"
-#include "guiding_mixture.glsl"
+#include "guide/guiding_mixture.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { HeldGuideParameters params; };

@@ -2,7 +2,7 @@
 // must stay.
 #include "HeldGuideShared.h"
 #include "render/frame.h"
-#include "shaders/guiding_grid_types.h"
+#include "shaders/guide/guiding_grid_types.h"
 
 namespace restirpg {
 

@@ -1,8 +1,8 @@
 #version 460
 #include "prelude.glsl"
 #include "KnownVerticesShared.h"
-#include "random.glsl"
-#include "vmf_mixture.glsl"
+#include "math/random.glsl"
+#include "math/vmf_mixture.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { KnownVerticesParameters params; };

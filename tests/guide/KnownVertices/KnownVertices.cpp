@@ -1,7 +1,7 @@
 // Vertices whose distribution is known: one per pixel, spread evenly over some places that lie in cells of their own.
 #include "KnownVerticesShared.h"
 #include "render/frame.h"
-#include "shaders/path_vertex_types.h"
+#include "shaders/restir/path_vertex_types.h"
 
 namespace restirpg {
 

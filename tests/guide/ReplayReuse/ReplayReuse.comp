@@ -9,9 +9,9 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { ReplayParameters params; };
 
-#include "lights.glsl"
-#include "trace.glsl"
-#include "path_vertex.glsl"
+#include "scene/lights.glsl"
+#include "trace/trace.glsl"
+#include "restir/path_vertex.glsl"
 #include "../../../passes/PathTracerGuided/vertex.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ReplayReservoirArray { ReplayReservoir at[]; };

@@ -2,7 +2,7 @@
 #ifndef RESTIRPG_REPLAY_REUSE_SHARED_H
 #define RESTIRPG_REPLAY_REUSE_SHARED_H
 #include "shaders/frame_types.h"
-#include "shaders/path_vertex_types.h"
+#include "shaders/restir/path_vertex_types.h"
 RESTIRPG_SHARED
 
 /// One direction, by the random numbers that drew it and as it was drawn.

@@ -1,5 +1,5 @@
 #version 460
-#include "scene.glsl"
+#include "scene/scene.glsl"
 #include "Shared.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;

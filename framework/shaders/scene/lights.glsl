@@ -3,7 +3,7 @@
 #define RESTIRPG_LIGHTS_GLSL
 
 #include "environment.glsl"
-#include "random.glsl"
+#include "math/random.glsl"
 #include "triangle.glsl"
 
 /// Distance to what is infinitely far away.

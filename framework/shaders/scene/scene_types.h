@@ -1,7 +1,7 @@
 // The scene as kernels see it. Shared by C++ and GLSL: see types.h.
 #ifndef RESTIRPG_SCENE_TYPES_H
 #define RESTIRPG_SCENE_TYPES_H
-#include "types.h"
+#include "shaders/types.h"
 RESTIRPG_SHARED
 
 #ifdef __cplusplus

@@ -3,7 +3,7 @@
 #ifndef RESTIRPG_ENERGY_GLSL
 #define RESTIRPG_ENERGY_GLSL
 
-#include "scene_types.h"
+#include "scene/scene_types.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer EnergyTable { vec4 at[]; };
 

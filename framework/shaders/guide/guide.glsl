@@ -14,7 +14,7 @@
 #ifndef RESTIRPG_GUIDE_GLSL
 #define RESTIRPG_GUIDE_GLSL
 
-#include "surface.glsl"
+#include "scene/surface.glsl"
 
 /// Where guidance is asked for.
 struct GuideQuery {

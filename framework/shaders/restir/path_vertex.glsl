@@ -3,7 +3,7 @@
 #define RESTIRPG_PATH_VERTEX_GLSL
 
 #include "path_vertex_types.h"
-#include "sampling.glsl"
+#include "math/sampling.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PathVertexArray { PathVertex at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GuidingSampleArray { GuidingSample at[]; };

@@ -3,7 +3,7 @@
 #define RESTIRPG_GUIDING_MIXTURE_GLSL
 
 #include "guiding_grid.glsl"
-#include "vmf_mixture.glsl"
+#include "math/vmf_mixture.glsl"
 
 /// Probability of the BSDF where nothing has been learnt.
 const float NEW_ALPHA = 0.5;

@@ -2,7 +2,7 @@
 #ifndef RESTIRPG_SURFACE_GLSL
 #define RESTIRPG_SURFACE_GLSL
 
-#include "bsdf.glsl"
+#include "bsdf/bsdf.glsl"
 #include "triangle.glsl"
 
 /// The geometry of a hit point, in world space. Normals are unit and on the front side (the side the winding faces).

@@ -8,7 +8,7 @@
 #ifndef RESTIRPG_TRACE_GLSL
 #define RESTIRPG_TRACE_GLSL
 
-#include "triangle.glsl"
+#include "scene/triangle.glsl"
 
 /// Farther than any scene.
 const float RAY_INFINITY = 1e30;

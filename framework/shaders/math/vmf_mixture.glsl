@@ -2,8 +2,8 @@
 #ifndef RESTIRPG_VMF_MIXTURE_GLSL
 #define RESTIRPG_VMF_MIXTURE_GLSL
 
-#include "guiding_grid_types.h"
-#include "path_vertex.glsl"
+#include "guide/guiding_grid_types.h"
+#include "restir/path_vertex.glsl"
 #include "vmf.glsl"
 
 /// Lobe k in component k.

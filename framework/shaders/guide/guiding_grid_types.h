@@ -6,7 +6,7 @@
 // in place [shaders/README: The guiding grid].
 #ifndef RESTIRPG_GUIDING_GRID_TYPES_H
 #define RESTIRPG_GUIDING_GRID_TYPES_H
-#include "scene_types.h"
+#include "shaders/scene/scene_types.h"
 RESTIRPG_SHARED
 
 /// Lobes of a cell's mixture (Zeng et al. 2025: 4).

@@ -3,7 +3,7 @@
 #ifndef RESTIRPG_SHORT_STACK_GLSL
 #define RESTIRPG_SHORT_STACK_GLSL
 
-#include "scene_types.h"
+#include "scene/scene_types.h"
 
 const int REGISTERS = 10;
 const int STACK_EMPTY = int(0x80000001);

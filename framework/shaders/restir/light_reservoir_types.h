@@ -1,7 +1,7 @@
 // The reservoir of ReSTIR DI. Shared by C++ and GLSL: see types.h.
 #ifndef RESTIRPG_LIGHT_RESERVOIR_TYPES_H
 #define RESTIRPG_LIGHT_RESERVOIR_TYPES_H
-#include "scene_types.h"
+#include "shaders/scene/scene_types.h"
 RESTIRPG_SHARED
 
 /// A point of a light, stored so that it follows the light when it moves:

@@ -2,7 +2,7 @@
 #ifndef RESTIRPG_PATH_RESERVOIR_GLSL
 #define RESTIRPG_PATH_RESERVOIR_GLSL
 
-#include "labels.glsl"
+#include "bsdf/labels.glsl"
 #include "light_reservoir.glsl"
 #include "path_reservoir_types.h"
 #include "path_vertex.glsl"

@@ -1,7 +1,7 @@
 // Shared by C++ and GLSL: see types.h and double_single.glsl.
 #ifndef RESTIRPG_DOUBLE_SINGLE_TYPES_H
 #define RESTIRPG_DOUBLE_SINGLE_TYPES_H
-#include "types.h"
+#include "shaders/types.h"
 RESTIRPG_SHARED
 
 /// The unevaluated sum high + low, with |low| at most half a unit in the last place of high. 24 bytes.

@@ -1,7 +1,7 @@
 // The vertices of paths, as guides are trained on them. Shared by C++ and GLSL: see types.h.
 #ifndef RESTIRPG_PATH_VERTEX_TYPES_H
 #define RESTIRPG_PATH_VERTEX_TYPES_H
-#include "scene_types.h"
+#include "shaders/scene/scene_types.h"
 RESTIRPG_SHARED
 
 /// A smooth bounce of a path: where, and in which direction it leaves. Of pixel p, bounce u >= 1 is number p * stride +

@@ -2,10 +2,10 @@
 #ifndef RESTIRPG_NEIGHBOURS_GLSL
 #define RESTIRPG_NEIGHBOURS_GLSL
 
-#include "camera.glsl"
-#include "random.glsl"
-#include "sampling.glsl"
-#include "surface.glsl"
+#include "scene/camera.glsl"
+#include "math/random.glsl"
+#include "math/sampling.glsl"
+#include "scene/surface.glsl"
 
 /// The shading normal on the camera's side.
 vec3 normal_towards(Surface s, vec3 camera)

@@ -4,8 +4,8 @@
 #define RESTIRPG_GUIDING_GRID_GLSL
 
 #include "guiding_grid_types.h"
-#include "path_vertex.glsl"
-#include "random.glsl"
+#include "restir/path_vertex.glsl"
+#include "math/random.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer GuidingHeaderRef { GuidingHeader at; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer GuidingKeyArray { uint64_t at[]; };

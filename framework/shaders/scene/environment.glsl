@@ -2,7 +2,7 @@
 #ifndef RESTIRPG_ENVIRONMENT_GLSL
 #define RESTIRPG_ENVIRONMENT_GLSL
 
-#include "sampling.glsl"
+#include "math/sampling.glsl"
 #include "scene.glsl"
 
 /// Rotate about +y: z towards x for a positive angle.

@@ -1,7 +1,7 @@
 // The reservoir of ReSTIR PT. Shared by C++ and GLSL: see types.h.
 #ifndef RESTIRPG_PATH_RESERVOIR_TYPES_H
 #define RESTIRPG_PATH_RESERVOIR_TYPES_H
-#include "scene_types.h"
+#include "shaders/scene/scene_types.h"
 RESTIRPG_SHARED
 
 /// One path x_0 (camera), x_1 (primary hit), ..., x_D (light) chosen by resampling, as its pixel sees it

@@ -4,9 +4,9 @@
 #define RESTIRPG_LIGHT_RESERVOIR_GLSL
 
 #include "light_reservoir_types.h"
-#include "lights.glsl"
-#include "trace.glsl"
-#include "transmittance.glsl"
+#include "scene/lights.glsl"
+#include "trace/trace.glsl"
+#include "bsdf/transmittance.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer LightReservoirArray { LightReservoir at[]; };
 

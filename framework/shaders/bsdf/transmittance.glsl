@@ -2,7 +2,7 @@
 #ifndef RESTIRPG_TRANSMITTANCE_GLSL
 #define RESTIRPG_TRANSMITTANCE_GLSL
 
-#include "surface.glsl"
+#include "scene/surface.glsl"
 
 /// Along a segment of `distance` metres that leaves p in the world direction wi: inside the solid that it leaves into, else by
 /// `arrival`, the absorption on the side of the surface that it ends on.

@@ -3,7 +3,7 @@
 #ifndef RESTIRPG_TRACE_SOFTWARE_GLSL
 #define RESTIRPG_TRACE_SOFTWARE_GLSL
 
-#include "short_stack.glsl"
+#include "math/short_stack.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer BvhTriangleArray { BvhTriangle at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer BvhObjectArray { BvhObject at[]; };

@@ -4,7 +4,7 @@
 
 #include "bsdf_model.glsl"
 #include "microfacet.glsl"
-#include "sampling.glsl"
+#include "math/sampling.glsl"
 
 /// A direction drawn from a BSDF. `pdf` = 0: the draw carries nothing, the path ends.
 struct BsdfSample {
