@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Figure 1 of the paper from a finished scene of benchmarks/paper_size.py: the whole picture, and crops by every
+"""Figure 1 of the paper from a finished scene of scripts/reproduce.py --paper-size: the whole picture, and crops by every
 method.
 
     benchmarks/paper_figure.py out/paper_size/SCENE --scene SCENE.glb --crop X,Y --crop X,Y [--side 216] [--png FILE]

@@ -12,7 +12,7 @@ PROGRAMS = (
     "scripts/run",
     "scripts/make_scenes.py",
     "scripts/compare.py",
-    "benchmarks/paper_size.py",
+    "scripts/reproduce.py",
     "bin/ninja",
     "bin/ctest",
 )
@@ -53,7 +53,7 @@ def test_every_step_is_done_on_the_device(clone):
 
 
 @pytest.mark.parametrize(
-    "failing, step", [("ctest", "tests"), ("compare.py", "same picture"), ("paper_size.py", "cost and error")]
+    "failing, step", [("ctest", "tests"), ("compare.py", "same picture"), ("reproduce.py", "cost and error")]
 )
 def test_a_step_that_fails_is_named_and_the_rest_goes_on(clone, failing, step):
     done = check(clone, "Some", "out", failing=failing)

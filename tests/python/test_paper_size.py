@@ -1,4 +1,4 @@
-"""benchmarks/paper_size.py: what it makes of finished scenes, and what it refuses."""
+"""scripts/reproduce.py --paper-size: what it makes of finished scenes, and what it refuses."""
 
 import csv
 import subprocess
@@ -20,7 +20,9 @@ ROWS = {
 def run(*arguments):
     """The program's finished process."""
     return subprocess.run(
-        [sys.executable, ROOT / "benchmarks/paper_size.py", *map(str, arguments)], capture_output=True, text=True
+        [sys.executable, ROOT / "scripts/reproduce.py", "--paper-size", *map(str, arguments)],
+        capture_output=True,
+        text=True,
     )
 
 
@@ -56,3 +58,11 @@ def test_what_it_cannot_do_is_said_in_a_line(tmp_path):
     for arguments, words in (((), "no scene given"), (("--collect", tmp_path), "no scene is finished there")):
         done = run(*arguments)
         assert done.returncode == 2 and words in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_the_hours_of_each_scene_are_told():
+    done = run("--list", "veach_ajar.glb", "hall.glb@960x540")
+    assert done.returncode == 0, done.stderr
+    (room, large, *_), (hall, small, *_) = (line.split()[::2] for line in done.stdout.splitlines())
+    assert (room, hall) == ("veach_ajar", "hall")
+    assert 2 < float(large) / float(small) < 4 and 0.3 < float(large) < 3

@@ -1,6 +1,7 @@
 """Reproduce the evaluation of ReSTIR PG [Zeng et al. 2025]: figures, tables, costs and ablations.
 
     scripts/reproduce.py WHAT... [--quick | --full] [--scenes NAME|FILE...] [--out out/reproduce]
+    scripts/reproduce.py --paper-size FILE...       (the paper's comparison at 1920x1080; --paper-size --help)
 
 WHAT is one or more of: figure 1, 2, 4, 5, 6, 7 or 8 (`figure 5 6`), `table 1`, `cost`, `ablation`, `motion`,
 or `all`. Writes report.html, which needs no network, and beside it PNG, CSV and EXR files. Finished runs are
@@ -17,7 +18,9 @@ from dataclasses import replace
 
 from restirpg import commands
 from restirpg.harness import UserError, files, program, render
-from restirpg.harness.paper import experiments, page, paper
+from restirpg.harness.paper import experiments, full_size, page, paper
+
+PAPER_SIZE = "--paper-size"
 
 OUTPUTS = [
     f"{folder}*.{kind}" for folder in ("", "*/", "*/*/") for kind in ("html", "png", "csv", "exr")
@@ -124,6 +127,8 @@ def reproduce(options, cache, pool, display):
 
 def main(arguments):
     """The command line. Returns the exit code."""
+    if PAPER_SIZE in arguments:
+        return full_size.main([argument for argument in arguments if argument != PAPER_SIZE])
     options = parse(arguments)
 
     def body(display):

@@ -1,39 +1,52 @@
-#!/usr/bin/python3
 """The paper's comparison at the paper's size: four methods and ReSTIR PG+, single frames 11 to 20 of 1920x1080.
 
-    benchmarks/paper_size.py SCENE[@WxH]... [--out out/paper_size] [further options of scripts/compare.py]
-    benchmarks/paper_size.py --collect out/paper_size --results benchmarks/results/paper_size
+    scripts/reproduce.py --paper-size SCENE[@WxH]... [--list] [--out out/paper_size] [options of scripts/compare.py]
+    scripts/reproduce.py --paper-size --collect out/paper_size --results benchmarks/results/paper_size
 
 The first line is scripts/compare.py with the options below on each scene in turn. The reference is rendered, and errors
 are measured, in random tiles alone. Finished runs are kept in OUT/cache, one a (scene, method, seed), each under a
 checksum: the same command goes on where it was interrupted, and another number of --reference-frames takes no run
-again. The second line writes summary.csv and tables.md from all scenes that are finished. Exit code: as
+again. --scheduler spreads the runs over machines, as for scripts/compare.py. --list says how many hours each scene
+takes. The second line writes summary.csv and tables.md from all scenes that are finished. Exit code: as
 scripts/compare.py.
 """
 
 import argparse
 import csv
 import io
-import sys
 from pathlib import Path
 
-from restirpg.harness import UserError, compare, files, program
+import restirpg
+from restirpg.harness import UserError, compare, files, program, render
+from restirpg.harness.paper import experiments
 
-ROOT = Path(__file__).resolve().parents[1]
 GRAPHS = ("restir_pt", "restir_pg", "raw_pt_ruppert2020", "raw_pt_derevyannykh2022", "restir_pg_plus")
 FIRST, OURS, RUPPERT = GRAPHS[0], GRAPHS[1], GRAPHS[2]
-OPTIONS = [
-    "--at", "11,12,13,14,15,16,17,18,19,20", "--tiles", "64", "--seeds", "1",
-    # At equal time its frames have half the variance of path tracing's; it shares no seed with the methods.
-    "--reference-graph", str(ROOT / "graphs/restir_pg.py"), "--reference-frames", "1024", "--reference-batches", "16",
-]  # fmt: skip
+FRAMES, TILES, TILE_SIDE, REFERENCE_FRAMES = 20, 64, 24, 1024
 SIZE = "1920x1080"
+
+
+def graph_file(name):
+    """Of the graphs that come with the package."""
+    return str(Path(restirpg.GRAPHS) / f"{name}.py")
+
+
+def fixed_options():
+    """Of scripts/compare.py."""
+    return [
+        "--at", ",".join(map(str, range(FRAMES // 2 + 1, FRAMES + 1))), "--tiles", str(TILES), "--seeds", "1",
+        # At equal time its frames have half the variance of path tracing's; it shares no seed with the methods.
+        "--reference-graph", graph_file(OURS), "--reference-frames", str(REFERENCE_FRAMES), "--reference-batches", "16",
+    ]  # fmt: skip
 
 
 def parse(arguments):
     """The command line, and what of it compare.py is given."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        prog="reproduce.py --paper-size", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("scenes", nargs="*", metavar="SCENE[@WxH]", help=f"scene files; pixels ({SIZE})")
+    parser.add_argument("--list", action="store_true", help="say about how many hours each scene takes, and end")
     parser.add_argument("--out", default="out/paper_size", help="folder of runs and reports (%(default)s)")
     parser.add_argument("--device", metavar="NAME", help="what renders the methods (the best device)")
     parser.add_argument("--collect", metavar="FOLDER", help="write the table of what is finished there")
@@ -50,7 +63,7 @@ def record(options, further):
         scene, _, size = text.partition("@")
         out = Path(options.out)
         device = f",device={options.device}" if options.device else ""
-        graphs = [f"{ROOT / 'graphs' / name}.py@label={name}{device}" for name in GRAPHS]
+        graphs = [f"{graph_file(name)}@label={name}{device}" for name in GRAPHS]
         own = [
             "--scenes",
             scene,
@@ -61,7 +74,7 @@ def record(options, further):
             "--cache",
             str(out / "cache"),
         ]
-        code = compare.main([*graphs, *own, *OPTIONS, *further])
+        code = compare.main([*graphs, *own, *fixed_options(), *further])
         worst = max(worst, code)
         if code > 1:
             break
@@ -142,19 +155,29 @@ def collect(folder, results):
     return 0
 
 
+def print_list(scenes):
+    """About how long each scene takes on two cores."""
+    for text in scenes:
+        scene, _, size = text.partition("@")
+        width, height = program.size(size or SIZE)
+        methods = len(GRAPHS) * FRAMES * width * height
+        reference = REFERENCE_FRAMES * TILES * TILE_SIDE**2
+        hours = 1e-6 * experiments.REUSE_COST * (methods + reference) / 3600
+        print(f"{Path(scene).stem:24} {width}x{height}  {hours:5.1f} hours, {len(GRAPHS)} methods, {FRAMES} frames")
+    return 0
+
+
 def main(arguments):
     """The command line. Returns the exit code."""
     options, further = parse(arguments)
-    if options.collect:
-        return program.run("paper_size.py", lambda display: collect(options.collect, options.results))
-    if not options.scenes:
-        print(
-            "paper_size.py: no scene given; name one or more, as in benchmarks/paper_size.py veach_ajar.glb",
-            file=sys.stderr,
-        )
-        return 2
-    return record(options, further)
 
+    def body(_):
+        render.find_package()
+        if options.collect:
+            return collect(options.collect, options.results)
+        if not options.scenes:
+            raise UserError("no scene given; name one or more, as in scripts/reproduce.py --paper-size veach_ajar.glb")
+        return print_list(options.scenes) if options.list else 0
 
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    code = program.run("reproduce.py", body)
+    return code if code or options.collect or options.list else record(options, further)
