@@ -15,7 +15,8 @@ void main()
     if (any(greaterThanEqual(at, frame.c.size)))
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
-    bool seen = primary_hit(params.surface, pixel).instance != INVALID_INDEX;
+    bool has_surface = primary_hit(params.surface, pixel).instance != INVALID_INDEX;
+    Seen centre = see(at);
     for (uint i = 0u; i < params.neighbours; ++i)
-        PartnerArray(params.partners).at[pixel * params.neighbours + i] = seen ? choose_partner(at, i) : INVALID_INDEX;
+        PartnerArray(params.partners).at[pixel * params.neighbours + i] = has_surface ? choose_partner(centre, i) : INVALID_INDEX;
 }

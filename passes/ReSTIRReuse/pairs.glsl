@@ -27,25 +27,36 @@ bool find_partner(uvec2 at, uint side, uint pattern, out uvec2 partner)
     return all(greaterThanEqual(found, ivec2(0))) && all(lessThan(found, ivec2(frame.c.size))) && partner != at;
 }
 
-/// What a pattern's pair bids for being chosen, 0 if the surfaces are not similar: the largest bid of a pool is that of each member with
-/// a chance in proportion to its compatibility. Both pixels find the same number, for they compute the same.
-float pair_bid(uvec2 at, uvec2 partner, NeighbourRules rules, uint pattern)
+/// A pixel as pairs see it.
+struct Seen {
+    uvec2 at;
+    Appearance looks;
+    vec3 position;
+};
+
+Seen see(uvec2 at)
 {
-    bool first = at.y < partner.y || (at.y == partner.y && at.x < partner.x);
-    uvec2 a = first ? at : partner;
-    uvec2 b = first ? partner : at;
-    Appearance looks_a = load_appearance(params.surface, a.y * frame.c.size.x + a.x);
-    Appearance looks_b = load_appearance(params.surface, b.y * frame.c.size.x + b.x);
-    if (!is_similar(looks_a, looks_b, rules.normal_threshold, rules.depth_threshold) ||
-        !is_similar(looks_b, looks_a, rules.normal_threshold, rules.depth_threshold))
+    Appearance looks = load_appearance(params.surface, at.y * frame.c.size.x + at.x);
+    return Seen(at, looks, seen_position(at, looks));
+}
+
+/// What a pattern's pair bids for being chosen, 0 if the surfaces are not similar: the largest bid of a pool is that of each member with
+/// a chance in proportion to its compatibility. Both pixels find the same number: nothing depends on which of them asks.
+float pair_bid(Seen a, Seen b, NeighbourRules rules, uint pattern)
+{
+    bool a_is_nearer = a.looks.distance <= b.looks.distance;
+    Appearance nearer = Appearance(a_is_nearer ? a.looks.normal : b.looks.normal, min(a.looks.distance, b.looks.distance));
+    Appearance other = Appearance(a_is_nearer ? b.looks.normal : a.looks.normal, max(a.looks.distance, b.looks.distance));
+    if (!is_similar(nearer, other, rules.normal_threshold, rules.depth_threshold))  // and so the other way round
         return 0.0;
     // The race of exponential variates: -log(u) / score is least for a member with a chance in proportion to its score.
-    float u = random1(reuse_key(a), pool_round(params.round), pattern);
-    return compatibility(looks_a, seen_position(a, looks_a), looks_b, seen_position(b, looks_b)) / -log(max(1.0 - u, 1e-8));
+    bool a_is_first = a.at.y < b.at.y || (a.at.y == b.at.y && a.at.x < b.at.x);
+    float u = random1(reuse_key(a_is_first ? a.at : b.at), pool_round(params.round), pattern);
+    return compatibility(nearer, a.position, other, b.position) / -log(max(1.0 - u, 1e-8));
 }
 
 /// The pixel that this one would be paired with in place i: of a pool of patterns the one of the largest bid; INVALID_INDEX: with none.
-uint choose_partner(uvec2 at, uint i)
+uint choose_partner(Seen centre, uint i)
 {
     NeighbourRules rules = neighbour_rules();
     // The offsets have the disk's root mean square: side^2 / 3 = radius^2 / 2.
@@ -55,12 +66,12 @@ uint choose_partner(uvec2 at, uint i)
     for (uint k = 0u; k < rules.pool; ++k) {
         uint pattern = i * MAX_REUSE_POOL + k;
         uvec2 partner;
-        if (!find_partner(at, side, pattern, partner))
+        if (!find_partner(centre.at, side, pattern, partner))
             continue;
         uint pixel = partner.y * frame.c.size.x + partner.x;
         if (primary_hit(params.surface, pixel).instance == INVALID_INDEX)
             continue;
-        float bid = pair_bid(at, partner, rules, pattern);
+        float bid = pair_bid(centre, see(partner), rules, pattern);
         if (bid > largest) {
             largest = bid;
             chosen = pixel;
