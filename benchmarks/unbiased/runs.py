@@ -56,7 +56,7 @@ def code_of(description):
     own = {f"restirpg-pass-{entry['type']}" for entry in description["passes"]}
     folders = [shaders]
     folders += [kernels for library, kernels in zip(passes[::2], passes[1::2], strict=True) if library.stem in own]
-    files = [file for folder in folders for file in sorted(folder.glob("*")) if file.suffix != ".md"]
+    files = [file for folder in folders for file in sorted(folder.rglob("*")) if file.suffix in render.CODE]
     return digest(b"".join(digest(file.read_bytes()).encode() for file in files))
 
 
