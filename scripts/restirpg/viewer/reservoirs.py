@@ -37,6 +37,8 @@ def describe_light(record):
     """[(what, meaning)] of a LightReservoir."""
     if record["confidence"] == 0:
         return [("empty", "no light was found here")]
+    if record["instance"] == record["index"] == _NONE:
+        return [("empty", "no light was found here"), *_weights(record)]
     lines = [("a point of " + _light_point(record["instance"], record["index"]), f"at {_numbers(record['place'])}")]
     return [
         *lines,
