@@ -27,14 +27,14 @@ def pipeline(
     train: what the guide of the initial paths learns from, if there is one: "selected", the paths that resampling has
     selected; "temporal", those that a resampling over frames alone would have selected, done beside it; "candidates",
     those it chose from; "raw", all bounces of the candidates' path trees, weighted by the light that came back. cells:
-    where the guide is kept: "world", in the hash grid; "screen", a lobe per pixel, which learns from "raw" alone.
-    splat, fit: knobs of the guide's passes; in screen space there is only a fit. reuse: knobs of the resampling of
-    paths. trees: path trees per pixel, of which one path is resampled. guided_bounces: bounces from the primary hit on
-    that the guide draws, and learns from. show: "resampled", or "candidates": the indirect light of the initial paths
-    alone, guided if there is a guide.
+    what the guide is: "world", mixtures in the hash grid; "screen", a lobe per pixel; "chains", Markov chains in the
+    hash grid. The last two learn from "raw" alone. splat, fit: knobs of the guide's passes; only "world" has a splat.
+    reuse: knobs of the resampling of paths. trees: path trees per pixel, of which one path is resampled.
+    guided_bounces: bounces from the primary hit on that the guide draws, and learns from. show: "resampled", or
+    "candidates": the indirect light of the initial paths alone, guided if there is a guide.
     """
-    if cells == "screen" and train != "raw":
-        raise ValueError(f'a guide in screen space learns from train="raw" alone, not from {train!r}')
+    if cells != "world" and train != "raw":
+        raise ValueError(f'a guide of cells={cells!r} learns from train="raw" alone, not from {train!r}')
     g = Graph(name)
     gbuffer = g.add("gbuffer", "GBuffer", jitter=False)
     before = {"motion": gbuffer.motion, "previous_surface": prev("gbuffer.surface")}
@@ -47,7 +47,7 @@ def pipeline(
         rounds=rounds,
         **before,
     )
-    guide = prev("fit.guide") if train else None
+    guide = prev("guide.guide" if cells == "chains" else "fit.guide") if train else None
     if cells == "screen":
         guide = g.add(
             "guide",
@@ -82,7 +82,9 @@ def pipeline(
         )
 
     resampled = resample("reuse", train == "selected", temporal=temporal, rounds=rounds, **reuse)
-    if train and cells == "world":
+    if cells == "chains":
+        g.add("guide", "GuidingChain", samples=paths.samples, history=prev("guide.guide"), **fit)
+    elif train and cells == "world":
         lessons = {
             "selected": lambda: {"vertices": resampled.vertices},
             "candidates": lambda: {"vertices": paths.vertices},

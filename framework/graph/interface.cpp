@@ -120,6 +120,8 @@ void Interface::knob(const std::string& name, std::string& target, const std::st
 void Interface::addChoice(const std::string& name, Knob::Selection selection, std::vector<std::string> choices,
                           const std::string& meaning)
 {
+    if (selection.get() >= choices.size())
+        fail("the choice '{}' begins with a value that has no name", name);
     addKnob(knobs_, inputs_, {name, std::move(selection), meaning, 0, 0, std::move(choices)});
 }
 

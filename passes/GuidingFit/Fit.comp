@@ -11,11 +11,6 @@ layout(push_constant, scalar) uniform Push { GuidingFitParameters params; };
 /// Of alpha, and of 1 - alpha.
 const float LEAST_ALPHA = 0.1;
 
-float from_fixed(uint64_t lane)
-{
-    return float(int64_t(lane)) * (1.0 / float(1u << GUIDING_FRACTION_BITS));
-}
-
 /// The frame's sums, scaled so that the shares add up to the count of the samples: whatever unit the weights have [shaders/README: The MAP fit].
 GuidingMemory load_sums(uint slot)
 {

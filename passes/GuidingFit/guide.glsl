@@ -3,18 +3,12 @@
 #include "math/vmf_mixture.glsl"
 
 struct Guide {
-    VmfMixture mixture;
-    vec4 amplitude;  ///< density of each lobe on its axis, times its weight, 1/sr
+    PlacedMixture lobes;
     float alpha;  ///< what the cell has learnt, or below 0
 };
 
 /// Concentration of the lobe that resembles the cosine about a normal.
 const float COSINE_KAPPA = 2.18853;
-
-vec4 lobe_normalizations(VmfMixture m)
-{
-    return vec4(vmf_normalization(m.kappa.x), vmf_normalization(m.kappa.y), vmf_normalization(m.kappa.z), vmf_normalization(m.kappa.w));
-}
 
 /// Each lobe times the cosine about the normal, normalised together: the product of two vMFs is one [shaders/README: The von Mises-Fisher distribution].
 void multiply_by_cosine(inout VmfMixture m, vec3 normal)
@@ -62,29 +56,25 @@ bool guide_lookup(Address guide, GuideQuery query, out Guide g)
     GuidingCell cell = guiding_cells(guide, header.capacity).at[slot];
     if (cell.samples <= 0.0)
         return false;
-    g.mixture = unpack_mixture(cell);
+    VmfMixture m = unpack_mixture(cell);
     if ((header.options & GUIDING_PARALLAX) != 0u)
-        aim_lobes(g.mixture, guiding_memories(guide, header.capacity).at[slot], key_center(header.grid, key),
+        aim_lobes(m, guiding_memories(guide, header.capacity).at[slot], key_center(header.grid, key),
                   cell_side(header.grid, key_level(key)), query.position);
     if ((header.options & GUIDING_COSINE) != 0u)
-        multiply_by_cosine(g.mixture, query.normal);
-    g.amplitude = g.mixture.weight * lobe_normalizations(g.mixture);
+        multiply_by_cosine(m, query.normal);
+    g.lobes = place_mixture(m);
     g.alpha = (header.options & GUIDING_ALPHA) != 0u ? cell_alpha(cell) : -1.0;
     return true;
 }
 
 vec3 guide_sample(Guide g, vec3 u)
 {
-    uint k = select_lobe(g.mixture, u.z);
-    return sample_vmf(lobe_direction(g.mixture, k), g.mixture.kappa[k], u.xy);
+    return sample_mixture(g.lobes, u);
 }
 
 float guide_pdf(Guide g, vec3 w)
 {
-    vec4 dx = w.x - g.mixture.x;
-    vec4 dy = w.y - g.mixture.y;
-    vec4 dz = w.z - g.mixture.z;
-    return dot(g.amplitude, exp(-0.5 * g.mixture.kappa * (dx * dx + dy * dy + dz * dz)));
+    return mixture_pdf(g.lobes, w);
 }
 
 float guide_alpha(Guide g, float alpha)

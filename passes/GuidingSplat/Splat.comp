@@ -18,17 +18,6 @@ struct Sample {
     float distance;
 };
 
-GuidingGrid current_grid()
-{
-    GuidingGrid grid;
-    grid.camera = frame.c.camera.position;
-    grid.scale = params.cellSize * 2.0 * length(frame.c.camera.up);
-    vec4 cube = position_cube();
-    grid.origin = cube.xyz;
-    grid.smallest = params.smallestCell * SCENE.radius;
-    return grid;
-}
-
 /// Is the BSDF one of the mixture's components [shaders/README: Where alpha comes from]? The guide says so, from its first frame on.
 bool learns_alpha()
 {
@@ -59,11 +48,6 @@ Sample load_sample(uint index)
     return s;
 }
 
-int64_t to_fixed(float x)
-{
-    return int64_t(round(x * float(1u << GUIDING_FRACTION_BITS)));
-}
-
 /// How badly a density explains a sample, as a word that grows with it.
 uint strangeness(float log_density)
 {
@@ -83,18 +67,9 @@ void add_sample(GuidingGrid grid, Sample s)
 {
     vec3 position = unpack_position(s.vertex.position);
     uint64_t key = guiding_key(grid, position, vertex_face(s.vertex), vertex_material(s.vertex));
-    GuidingHeaderRef header = GuidingHeaderRef(params.statistics);
-    bool taken;
-    uint probes;
-    uint slot = insert_key(params.statistics, params.capacity, key, taken, probes);
-    if (probes > 0u)
-        atomicAdd(header.at.collisions, probes);
-    if (taken)
-        atomicAdd(header.at.cells, 1u);
-    if (slot == INVALID_INDEX) {
-        atomicAdd(header.at.failed, 1u);
+    uint slot = insert_sample(params.statistics, params.capacity, key);
+    if (slot == INVALID_INDEX)
         return;
-    }
     vec3 w = unpack_direction(s.vertex.direction);
     float log_density;
     float alpha;
@@ -127,7 +102,7 @@ void main()
     at.y = at.y * params.rowStep + frame.c.frame % params.rowStep;
     if (any(greaterThanEqual(at, uvec3(frame.c.size, params.stride))))
         return;
-    GuidingGrid grid = current_grid();
+    GuidingGrid grid = current_grid(params.cellSize, params.smallestCell);
     if (first) {
         GuidingHeaderRef(params.statistics).at.grid = grid;
         GuidingHeaderRef(params.statistics).at.capacity = params.capacity;

@@ -1,7 +1,8 @@
 """The records that kernels write, as NumPy sees them:
 `renderer.read_port("reuse.vertices").view(record("PathVertex"))`.
 
-Layouts and constants are read from the headers that C++ and GLSL share, framework/shaders/*_types.h.
+Layouts and constants are read from the headers that C++ and GLSL share: framework/shaders/*_types.h and the passes'
+Shared.h.
 """
 
 import functools
@@ -27,8 +28,10 @@ def _headers():
     """The headers' text without comments. They are those that the framework was compiled with."""
     root = Path(restirpg.GRAPHS).parent  # of a clone, or share/restirpg of an installed tree
     folder = next(path for path in (root / "shaders", root / "framework" / "shaders") if path.is_dir())
-    text = "\n".join(file.read_text() for file in sorted(folder.rglob("*_types.h")))
-    return re.sub(r"//.*", "", text)
+    installed = root.parents[1] / "lib" / "restirpg" / "passes"
+    passes = installed if installed.is_dir() else root / "passes"
+    files = [*sorted(folder.rglob("*_types.h")), *sorted(passes.glob("*/Shared.h"))]
+    return re.sub(r"//.*", "", "\n".join(file.read_text() for file in files))
 
 
 def names():

@@ -132,6 +132,15 @@ private:
     In<Buffer> image_;
 };
 
+/// Has a choice that none of its names is for.
+class Nameless final : public FakePass {
+public:
+    void describe(Interface& io) override { io.choice("curve", curve_, {{"linear", 0}, {"filmic", 1}}, "Tone curve"); }
+
+private:
+    int32_t curve_ = 2;
+};
+
 /// Declares the same name twice.
 class Twice final : public FakePass {
 public:
@@ -158,7 +167,7 @@ inline Plugins fakePlugins()
 {
     return Plugins({entry<GBuffer>("GBuffer"), entry<Paths>("Paths"), entry<Fit>("Fit"),
                     entry<Accumulate>("Accumulate"), entry<Blur>("Blur"), entry<Twice>("Twice"), entry<Reuse>("Reuse"),
-                    entry<Apart>("Apart")});
+                    entry<Apart>("Apart"), entry<Nameless>("Nameless")});
 }
 
 }  // namespace restirpg::test

@@ -16,7 +16,7 @@ TEST(GraphMistakes, UnknownPassTypeListsThePassesAndTheNearest)
     EXPECT_EQ(
         mistakes(pathTracer().add("more", "Path").graph),
         "g.py:5: there is no pass type 'Path'\n"
-        "    pass types: Accumulate, Apart, Blur, Fit, GBuffer, Paths, Reuse, Twice        did you mean 'Paths'?");
+        "    pass types: Accumulate, Apart, Blur, Fit, GBuffer, Nameless, Paths, Reuse, Twice        did you mean 'Paths'?");
 }
 
 TEST(GraphMistakes, DuplicatePassNameNamesTheFirst)
@@ -107,6 +107,14 @@ TEST(GraphMistakes, InputsThatGoTogetherAreAllWiredOrNone)
     EXPECT_EQ(mistakes(pathTracer().add("apart", "Apart", {{"image", "gbuffer.normal"}}).graph),
               "g.py:5: pass 'apart' (Apart) describes itself wrongly: 'image' is no optional input, or not yet: "
               "declare it before together()");
+}
+
+TEST(GraphMistakes, AChoiceBeginsWithOneOfItsNames)
+{
+    EXPECT_EQ(
+        mistakes(pathTracer().add("nameless", "Nameless").graph),
+        "g.py:5: pass 'nameless' (Nameless) describes itself wrongly: the choice 'curve' begins with a value that "
+        "has no name");
 }
 
 TEST(GraphMistakes, TypeMismatchNamesBothTypesAndWhatFits)
@@ -205,7 +213,7 @@ TEST(GraphMistakes, AreCollectedWithoutFollowingOnes)
     EXPECT_EQ(
         mistakes(writer.graph),
         "g.py:1: there is no pass type 'Gbuffer'\n"
-        "    pass types: Accumulate, Apart, Blur, Fit, GBuffer, Paths, Reuse, Twice        did you mean 'GBuffer'?\n"
+        "    pass types: Accumulate, Apart, Blur, Fit, GBuffer, Nameless, Paths, Reuse, Twice        did you mean 'GBuffer'?\n"
         "g.py:2: pass 'paths' (Paths) has no knob 'bounce'\n"
         "    knobs: bounces, roughness, offset, cells, note, nee        did you mean 'bounces'?\n"
         "g.py:2: pass 'paths' (Paths): knob 'bounces' must be a whole number from 0 to 64, not 100");

@@ -64,10 +64,12 @@ public:
     {
         random_.seed(seed);
         bounces_ = below(9);
-        const size_t count = 3 + below(7);
         std::vector<const Type*> chosen{find("GBuffer")};
-        while (chosen.size() < count)
+        for (size_t i = 0, drawn = 2 + below(7); i < drawn; ++i)
             chosen.push_back(&types_[below(types_.size())]);
+        if (chance(30))
+            addMakers(chosen);
+        const size_t count = chosen.size();
         json graph = {{"name", "Random"}, {"file", FILE_NAME}, {"passes", json::array()}, {"outputs", json::array()}};
         for (size_t i = 0; i < count; ++i)
             graph["passes"].push_back({{"name", nameOf(i)},
@@ -95,6 +97,31 @@ private:
     const Type* find(const std::string& name) const
     {
         return &*std::find_if(types_.begin(), types_.end(), [&](const Type& type) { return type.name == name; });
+    }
+
+    /// Passes that make what the chosen ones cannot do without, before them.
+    void addMakers(std::vector<const Type*>& chosen)
+    {
+        const auto makes = [](const Type* type, const InputPort& input) {
+            const auto& outputs = type->interface.outputs();
+            return std::any_of(outputs.begin(), outputs.end(),
+                               [&](const OutputPort& output) { return input.type.takes(output.type); });
+        };
+        for (size_t i = 0; i < chosen.size(); ++i)
+            for (const auto& input : chosen[i]->interface.inputs()) {
+                const auto made = [&](const Type* type) { return makes(type, input); };
+                if (input.optional || std::any_of(chosen.begin(), chosen.end(), made))
+                    continue;
+                std::vector<const Type*> makers;
+                for (const auto& type : types_)
+                    if (makes(&type, input))
+                        makers.push_back(&type);
+                if (makers.empty())
+                    continue;
+                chosen.insert(chosen.begin() + ptrdiff_t(i), makers[below(makers.size())]);
+                --i;  // what the maker itself needs comes next
+                break;
+            }
     }
 
     json inputsOf(const std::vector<const Type*>& chosen, size_t pass)

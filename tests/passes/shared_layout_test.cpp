@@ -8,6 +8,7 @@
 #include "../../passes/Accumulate/Shared.h"
 #include "../../passes/ErrorMeasure/Shared.h"
 #include "../../passes/GBuffer/Shared.h"
+#include "../../passes/GuidingChain/Shared.h"
 #include "../../passes/GuidingFit/Shared.h"
 #include "../../passes/GuidingScreen/Shared.h"
 #include "../../passes/GuidingSplat/Shared.h"
@@ -95,6 +96,12 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(ErrorMeasureParameters, frame, image, reference, lanes, total, map, errors),
     LAYOUT(GBufferParameters, frame, surface, emission, normal, geometricNormal, albedo, depth, motion, material,
            jitter),
+    LAYOUT(ChainState, target, cosine, energy, samples),
+    LAYOUT(ChainCell, states, age),
+    LAYOUT(ChainHeader, table, jitter, prior, largestKappa),
+    LAYOUT(ChainProposals, best, weights, count),
+    LAYOUT(GuidingChainParameters, frame, samples, history, guide, proposals, stride, capacity, product, oldest,
+           cellSize, smallestCell, jitter, decay, memory, prior, largestKappa),
     LAYOUT(ScreenStatistics, first, second, weight, squaredWeight, samples),
     LAYOUT(ScreenLobe, kind, mean, spread),
     LAYOUT(GuidingScreenParameters, frame, surface, previousSurface, motion, samples, history, statistics, guide,
@@ -143,8 +150,8 @@ std::string kernelText()
     }
     std::string includes =
         "#include \"prelude.glsl\"\n#include \"math/double_single_types.h\"\n#include \"restir/path_vertex_types.h\"\n";
-    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "GuidingFit", "GuidingScreen", "GuidingSplat",
-                             "GuidingView", "PathTracerGuided", "ReSTIRDI", "ReSTIRReuse", "ToneMap"})
+    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "GuidingChain", "GuidingFit", "GuidingScreen",
+                             "GuidingSplat", "GuidingView", "PathTracerGuided", "ReSTIRDI", "ReSTIRReuse", "ToneMap"})
         includes += fmt::format("#include \"{}/passes/{}/Shared.h\"\n", RESTIRPG_SOURCE, pass);
     return "#version 460\n" + includes +
            "layout(local_size_x = 1) in;\nlayout(push_constant) uniform Push { Address address; };\n" + declarations +

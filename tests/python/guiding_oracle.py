@@ -44,24 +44,27 @@ NEW_ALPHA = 0.5  # of a cell that has learnt nothing
 SHORTEST_DISTANCE = 1e-3  # m, of what inverse distances are summed of
 
 
-def pcg4d(x, y):
-    """First word of the hash of (x, y, 0, 0).  [Jarzynski & Olano 2020]"""
-    v = [
-        np.asarray(c, np.uint32) * np.uint32(1664525) + np.uint32(1013904223)
-        for c in (x, y, np.zeros_like(x), np.zeros_like(x))
-    ]
+def pcg4d(*words):
+    """The hash of four words, or arrays of them, four words.  [Jarzynski & Olano 2020]"""
+    v = [np.asarray(c, np.uint32) * np.uint32(1664525) + np.uint32(1013904223) for c in words]
     for last in (False, True):
         for to, a, b in ((0, 1, 3), (1, 2, 0), (2, 0, 1), (3, 1, 2)):
             v[to] = v[to] + v[a] * v[b]
         v = v if last else [c ^ (c >> np.uint32(16)) for c in v]
-    return v[0]
+    return v
+
+
+def unit_floats(words):
+    """As random numbers in [0, 1)."""
+    return [(word >> np.uint32(8)) / 2.0**24 for word in words]
 
 
 def slots_are_reachable(keys):
     """Does a probe that begins at each key's own slot find it before an empty slot, within PROBES?"""
     capacity, taken = len(keys), np.flatnonzero(keys)
     words = keys[taken]
-    hashes = pcg4d((words & np.uint64(0xFFFFFFFF)).astype(np.uint32), (words >> np.uint64(32)).astype(np.uint32))
+    halves = (words & np.uint64(0xFFFFFFFF)).astype(np.uint32), (words >> np.uint64(32)).astype(np.uint32)
+    hashes = pcg4d(*halves, np.zeros_like(halves[0]), np.zeros_like(halves[0]))[0]
     home = (hashes ^ hashes >> np.uint32(16)) % capacity
     steps = (taken - home) % capacity
     return all(

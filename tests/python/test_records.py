@@ -15,7 +15,8 @@ SHADERS = ROOT / "framework" / "shaders"
 def compiled_layouts(folder):
     """{record: ({member: offset}, size)} of a kernel that has an array of each record, from its disassembly."""
     names = records.names()
-    headers = "".join(f'#include "{file.relative_to(SHADERS)}"\n' for file in sorted(SHADERS.rglob("*_types.h")))
+    files = [*SHADERS.rglob("*_types.h"), *(ROOT / "passes").glob("*/Shared.h")]
+    headers = "".join(f'#include "{file.relative_to(ROOT)}"\n' for file in sorted(files))
     arrays = "".join(
         f"layout(set = 0, binding = {n}, scalar) buffer Array{n} {{ {name} at[]; }} array{n};\n"
         for n, name in enumerate(names)
@@ -26,7 +27,16 @@ def compiled_layouts(folder):
         "#version 460\n#extension GL_GOOGLE_include_directive : require\n"
         f'#include "prelude.glsl"\n{headers}{arrays}void main() {{\n{uses}}}\n'
     )
-    options = ["-V", "--target-env", "vulkan1.2", f"-I{SHADERS}", f"-I{SHADERS.parent}", "-o", folder / "records.spv"]
+    options = [
+        "-V",
+        "--target-env",
+        "vulkan1.2",
+        f"-I{SHADERS}",
+        f"-I{SHADERS.parent}",
+        f"-I{ROOT}",
+        "-o",
+        folder / "records.spv",
+    ]
     done = subprocess.run(["glslangValidator", *options, kernel], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
     text = subprocess.run(
@@ -47,7 +57,11 @@ def compiled_layouts(folder):
 
 def test_every_record_lies_as_kernels_read_it(tmp_path):
     found = compiled_layouts(tmp_path)
-    assert {"PathVertex", "GuidingSums", "PathReservoir", "LightReservoir"} <= found.keys() == set(records.names())
+    assert (
+        {"PathVertex", "GuidingSums", "PathReservoir", "LightReservoir", "ChainState"}
+        <= found.keys()
+        == set(records.names())
+    )
     for name, (offsets, size) in found.items():
         dtype = records.record(name)
         assert ({key: dtype.fields[key][1] for key in dtype.names}, dtype.itemsize) == (offsets, size), name

@@ -44,6 +44,29 @@ GuidingMemoryArray guiding_memories(Address guide, uint capacity)
     return GuidingMemoryArray(guiding_records(guide, capacity) + uint64_t(GUIDING_CELL_BYTES) * capacity);
 }
 
+/// A sum's summand in fixed point [shaders/README: Fixed point], and back.
+int64_t to_fixed(float x)
+{
+    return int64_t(round(x * float(1u << GUIDING_FRACTION_BITS)));
+}
+
+float from_fixed(uint64_t lane)
+{
+    return float(int64_t(lane)) * (1.0 / float(1u << GUIDING_FRACTION_BITS));
+}
+
+/// The grid of this frame. `cell_size`: of a cell, as a share of the image's height; `smallest_cell`: of the scene's radius.
+GuidingGrid current_grid(float cell_size, float smallest_cell)
+{
+    GuidingGrid grid;
+    grid.camera = frame.c.camera.position;
+    grid.scale = cell_size * 2.0 * length(frame.c.camera.up);
+    vec4 cube = position_cube();
+    grid.origin = cube.xyz;
+    grid.smallest = smallest_cell * SCENE.radius;
+    return grid;
+}
+
 // Key: three indices of 13 bits, level 5, face 3, material 16, and the top bit, so that no key is 0.
 const uint INDEX_BITS = 13u;
 const uint LEVEL_SHIFT = 3u * INDEX_BITS;
@@ -150,6 +173,22 @@ uint insert_key(Address table, uint capacity, uint64_t key, out bool taken, out 
         slot = (slot + 1u) & (capacity - 1u);
     }
     return INVALID_INDEX;
+}
+
+/// insert_key for a sample, with the counts of the table's header.
+uint insert_sample(Address table, uint capacity, uint64_t key)
+{
+    GuidingHeaderRef header = GuidingHeaderRef(table);
+    bool taken;
+    uint probes;
+    uint slot = insert_key(table, capacity, key, taken, probes);
+    if (probes > 0u)
+        atomicAdd(header.at.collisions, probes);
+    if (taken)
+        atomicAdd(header.at.cells, 1u);
+    if (slot == INVALID_INDEX)
+        atomicAdd(header.at.failed, 1u);
+    return slot;
 }
 
 #endif

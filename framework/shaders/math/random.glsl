@@ -17,6 +17,8 @@ const uint RANDOM_STREAM_RESAMPLING = 0x9e3779b9u;  ///< which path of a pixel's
 const uint RANDOM_STREAM_DIRECT = 0x7f4a7c15u;      ///< ReSTIR DI
 const uint RANDOM_STREAM_REUSE = 0x51ed270bu;       ///< reuse of paths over frames and pixels
 const uint RANDOM_STREAM_SCREEN = 0x2545f491u;      ///< a guide in screen space
+const uint RANDOM_STREAM_CHAIN = 0xc2b2ae35u;       ///< how a guide's Markov chains move
+const uint RANDOM_STREAM_CHAIN_LOOKUP = 0x85ebca6bu;  ///< which chains guide a bounce
 
 struct RandomKey {
     uint pixel;

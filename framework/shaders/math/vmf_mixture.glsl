@@ -113,4 +113,33 @@ uint select_lobe(VmfMixture m, float u)
     return k;
 }
 
+/// A mixture to sample from and to evaluate, many times.
+struct PlacedMixture {
+    VmfMixture mixture;
+    vec4 amplitude;  ///< density of each lobe on its axis, times its weight, 1/sr
+};
+
+PlacedMixture place_mixture(VmfMixture m)
+{
+    vec4 normalizations =
+        vec4(vmf_normalization(m.kappa.x), vmf_normalization(m.kappa.y), vmf_normalization(m.kappa.z), vmf_normalization(m.kappa.w));
+    return PlacedMixture(m, m.weight * normalizations);
+}
+
+/// A unit direction with density mixture_pdf.
+vec3 sample_mixture(PlacedMixture p, vec3 u)
+{
+    uint k = select_lobe(p.mixture, u.z);
+    return sample_vmf(lobe_direction(p.mixture, k), p.mixture.kappa[k], u.xy);
+}
+
+/// Density of the unit direction w, 1/sr.
+float mixture_pdf(PlacedMixture p, vec3 w)
+{
+    vec4 dx = w.x - p.mixture.x;
+    vec4 dy = w.y - p.mixture.y;
+    vec4 dz = w.z - p.mixture.z;
+    return dot(p.amplitude, exp(-0.5 * p.mixture.kappa * (dx * dx + dy * dy + dz * dz)));
+}
+
 #endif

@@ -1,0 +1,96 @@
+#include "Shared.h"
+#include "render/frame.h"
+#include "shaders/restir/path_vertex_types.h"
+
+#include <bit>
+
+namespace restirpg {
+
+static_assert(sizeof(ChainHeader) <= GUIDING_HEADER_BYTES);
+
+class GuidingChain final : public Pass {
+public:
+    void describe(Interface& io) override
+    {
+        const PortType layout = guide("ChainGuide", fixedSize("", [this] { return bytes(); }), passFile("guide.glsl"));
+        io.input("samples", samples_, fixedSize("GuidingSamples", {}),
+                 "bounces of raw path trees, weighted by the light that came back: paths.samples");
+        io.ofThisFrame();
+        io.input("history", history_, layout, "the output guide, one frame ago: prev(\"guide.guide\")");
+        io.ofFrameBefore();
+        io.output("guide", guide_, layout,
+                  "four von Mises-Fisher lobes per cell, from which the next frame's paths are sampled");
+        io.knob("cells", cells_, 1u << 10, 1u << 21, "slots of the hash table, rounded up to a power of two");
+        io.structural();
+        io.knob("cell_size", cellSize_, 1e-3f, 1,
+                "largest side of a cell as seen in the image, as a share of the image's height");
+        io.knob("smallest_cell", smallestCell_, 1e-5f, 1, "smallest side of a cell, as a share of the scene's radius");
+        io.structural();
+        io.knob("product", product_, "follow the incident radiance times BSDF and cosine; off: the radiance alone");
+        io.knob("jitter", jitter_, 0, 4,
+                "how far around a bounce the cell that guides it may lie, in sides of a cell; 0: its own cell");
+        io.knob("decay", decay_, 0, 1,
+                "factor by which the light that a chain has found counts in the next frame: below 1, a chain leaves "
+                "even the brightest sample in the end");
+        io.knob("memory", memory_, 1, 65536, "most samples that a lobe's means stand for");
+        io.knob("concentration_prior", prior_, 0, 1000,
+                "keeps lobes of few samples wide, in square metres: a larger value makes them wider");
+        io.knob("largest_kappa", largestKappa_, 1, 32000, "largest concentration (kappa) of a lobe");
+        io.knob("oldest", oldest_, 0, 10000, "frames for which a cell goes on guiding when no path reaches it");
+    }
+
+    void build(Device& device) override
+    {
+        proposeKernel_ = Kernel(device, passFile("Propose.comp"));
+        advanceKernel_ = Kernel(device, passFile("Advance.comp"));
+        carryKernel_ = Kernel(device, passFile("Carry.comp"));
+        proposals_ = device.createBuffer(uint64_t(capacity()) * sizeof(ChainProposals), "proposals to Markov chains");
+    }
+
+    void record(Frame& frame) override
+    {
+        const uint64_t pixels = uint64_t(frame.width()) * frame.height();
+        const uint32_t stride = uint32_t(samples_->bytes() / (pixels * sizeof(GuidingSample)));
+        const GuidingChainParameters parameters{
+            frame.constants(), samples_->address(), history_.empty ? 0 : history_->address(),
+            guide_->address(), proposals_.address(), stride,
+            capacity(),        product_,             oldest_,
+            cellSize_,         smallestCell_,        jitter_,
+            decay_,            memory_,              prior_,
+            largestKappa_};
+        frame.fill(*guide_.resource, 0, GUIDING_HEADER_BYTES + uint64_t(GUIDING_KEY_BYTES) * capacity());
+        frame.fill(proposals_);
+        frame.dispatch(proposeKernel_, parameters, frame.width(), frame.height(), stride);
+        frame.dispatch(advanceKernel_, parameters, capacity());
+        if (parameters.history != 0)
+            frame.dispatch(carryKernel_, parameters, capacity());
+    }
+
+private:
+    uint32_t capacity() const { return std::bit_ceil(cells_); }
+
+    uint64_t bytes() const
+    {
+        return GUIDING_HEADER_BYTES + (GUIDING_KEY_BYTES + sizeof(ChainCell)) * uint64_t(capacity());
+    }
+
+    In<Buffer> samples_, history_;
+    Out<Buffer> guide_;
+    uint32_t cells_ = 1u << 16;
+    float cellSize_ = 0.25f;
+    float smallestCell_ = 1e-3f;
+    bool product_ = true;
+    float jitter_ = 1;
+    float decay_ = 0.9f;
+    float memory_ = 1024;
+    float prior_ = 1;
+    float largestKappa_ = 32000;
+    uint32_t oldest_ = 16;
+    Buffer proposals_;
+    Kernel proposeKernel_, advanceKernel_, carryKernel_;
+};
+
+}  // namespace restirpg
+
+using restirpg::GuidingChain;
+RESTIRPG_PASS(GuidingChain, "Moves the Markov chains of each cell of the guiding grid: each chain is a lobe that guides")
