@@ -51,13 +51,22 @@ public:
     {
         const uint64_t pixels = uint64_t(frame.width()) * frame.height();
         const uint32_t stride = uint32_t(samples_->bytes() / (pixels * sizeof(GuidingSample)));
-        const GuidingChainParameters parameters{
-            frame.constants(), samples_->address(), history_.empty ? 0 : history_->address(),
-            guide_->address(), proposals_.address(), stride,
-            capacity(),        product_,             oldest_,
-            cellSize_,         smallestCell_,        jitter_,
-            decay_,            memory_,              prior_,
-            largestKappa_};
+        const GuidingChainParameters parameters{frame.constants(),
+                                                samples_->address(),
+                                                history_.empty ? 0 : history_->address(),
+                                                guide_->address(),
+                                                proposals_.address(),
+                                                stride,
+                                                capacity(),
+                                                product_,
+                                                oldest_,
+                                                cellSize_,
+                                                smallestCell_,
+                                                jitter_,
+                                                decay_,
+                                                memory_,
+                                                prior_,
+                                                largestKappa_};
         frame.fill(*guide_.resource, 0, GUIDING_HEADER_BYTES + uint64_t(GUIDING_KEY_BYTES) * capacity());
         frame.fill(proposals_);
         frame.dispatch(proposeKernel_, parameters, frame.width(), frame.height(), stride);
@@ -93,4 +102,5 @@ private:
 }  // namespace restirpg
 
 using restirpg::GuidingChain;
-RESTIRPG_PASS(GuidingChain, "Moves the Markov chains of each cell of the guiding grid: each chain is a lobe that guides")
+RESTIRPG_PASS(GuidingChain,
+              "Moves the Markov chains of each cell of the guiding grid: each chain is a lobe that guides")

@@ -13,10 +13,10 @@ TEST(GraphMistakes, ACorrectGraphHasNone)
 
 TEST(GraphMistakes, UnknownPassTypeListsThePassesAndTheNearest)
 {
-    EXPECT_EQ(
-        mistakes(pathTracer().add("more", "Path").graph),
-        "g.py:5: there is no pass type 'Path'\n"
-        "    pass types: Accumulate, Apart, Blur, Fit, GBuffer, Nameless, Paths, Reuse, Twice        did you mean 'Paths'?");
+    EXPECT_EQ(mistakes(pathTracer().add("more", "Path").graph),
+              "g.py:5: there is no pass type 'Path'\n"
+              "    pass types: Accumulate, Apart, Blur, Fit, GBuffer, Nameless, Paths, Reuse, Twice        did you "
+              "mean 'Paths'?");
 }
 
 TEST(GraphMistakes, DuplicatePassNameNamesTheFirst)
@@ -210,13 +210,13 @@ TEST(GraphMistakes, AreCollectedWithoutFollowingOnes)
         .add("paths", "Paths", {{"surface", "gbuffer.surface"}}, {{"bounces", 100}, {"bounce", 1}})
         .output("image", "paths.radiance")
         .output("depth", "gbuffer.depth");
-    EXPECT_EQ(
-        mistakes(writer.graph),
-        "g.py:1: there is no pass type 'Gbuffer'\n"
-        "    pass types: Accumulate, Apart, Blur, Fit, GBuffer, Nameless, Paths, Reuse, Twice        did you mean 'GBuffer'?\n"
-        "g.py:2: pass 'paths' (Paths) has no knob 'bounce'\n"
-        "    knobs: bounces, roughness, offset, cells, note, nee        did you mean 'bounces'?\n"
-        "g.py:2: pass 'paths' (Paths): knob 'bounces' must be a whole number from 0 to 64, not 100");
+    EXPECT_EQ(mistakes(writer.graph),
+              "g.py:1: there is no pass type 'Gbuffer'\n"
+              "    pass types: Accumulate, Apart, Blur, Fit, GBuffer, Nameless, Paths, Reuse, Twice        did you "
+              "mean 'GBuffer'?\n"
+              "g.py:2: pass 'paths' (Paths) has no knob 'bounce'\n"
+              "    knobs: bounces, roughness, offset, cells, note, nee        did you mean 'bounces'?\n"
+              "g.py:2: pass 'paths' (Paths): knob 'bounces' must be a whole number from 0 to 64, not 100");
 }
 
 TEST(GraphMistakes, JsonOfTheWrongShapeIsNamedByPlace)
