@@ -27,8 +27,10 @@ public:
         io.knob("smallest_cell", smallestCell_, 1e-5f, 1, "smallest side of a cell, as a share of the scene's radius");
         io.structural();
         io.knob("product", product_, "follow the incident radiance times BSDF and cosine; off: the radiance alone");
-        io.knob("jitter", jitter_, 0, 4,
-                "how far around a bounce the cell that guides it may lie, in sides of a cell; 0: its own cell");
+        io.knob(
+            "spread", spread_, 0, 4,
+            "side of the square around a bounce from which the cell that guides it is taken, in sides of a cell; 0: "
+            "its own cell");
         io.knob("decay", decay_, 0, 1,
                 "factor by which the light that a chain has found counts in the next frame: below 1, a chain leaves "
                 "even the brightest sample in the end");
@@ -62,7 +64,7 @@ public:
                                                 oldest_,
                                                 cellSize_,
                                                 smallestCell_,
-                                                jitter_,
+                                                spread_,
                                                 decay_,
                                                 memory_,
                                                 prior_,
@@ -89,7 +91,7 @@ private:
     float cellSize_ = 0.25f;
     float smallestCell_ = 1e-3f;
     bool product_ = true;
-    float jitter_ = 1;
+    float spread_ = 1;
     float decay_ = 0.9f;
     float memory_ = 1024;
     float prior_ = 1;

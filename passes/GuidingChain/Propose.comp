@@ -59,7 +59,7 @@ void main()
     if (at == uvec3(0u)) {
         header.at.table.grid = grid;
         header.at.table.capacity = params.capacity;
-        header.at.jitter = params.jitter;
+        header.at.spread = params.spread;
         header.at.prior = params.prior;
         header.at.largestKappa = params.largestKappa;
     }

@@ -25,7 +25,7 @@ struct ChainCell {
 /// In place of the grid's GuidingHeader: the same, and how lobes are looked up.
 struct ChainHeader {
     GuidingHeader table;
-    float jitter;  ///< of lookups, in sides of a cell
+    float spread;  ///< of lookups: side of a square, in sides of a cell
     float prior;  ///< of the concentration, m^2
     float largestKappa;
 };
@@ -51,7 +51,7 @@ struct GuidingChainParameters {
     uint oldest;  ///< frames that a cell guides without being met
     float cellSize;  ///< largest side of a cell, as a share of the image's height
     float smallestCell;  ///< smallest side, as a share of the scene's radius
-    float jitter;  ///< of lookups, in sides of a cell
+    float spread;  ///< of lookups: side of a square, in sides of a cell
     float decay;  ///< of a state's energy, a frame
     float memory;  ///< most samples that a state's means stand for
     float prior;  ///< of the concentration, m^2

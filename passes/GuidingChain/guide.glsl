@@ -6,11 +6,11 @@
 
 /// A place near the query's, within its surface's plane: cells have no visible borders then, and each pixel sees the chains of all
 /// cells around. The same for every lookup of a bounce.
-vec3 jittered_position(GuidingGrid grid, GuideQuery query, float jitter)
+vec3 spread_position(GuidingGrid grid, GuideQuery query, float spread)
 {
     RandomKey numbers = random_key(picture_pixel(query.pixel), frame.c.frame, frame.c.seed ^ RANDOM_STREAM_CHAIN_LOOKUP);
     vec2 u = random2(numbers, query.bounce, 0u) - 0.5;
-    float side = jitter * cell_side(grid, cell_level(grid, query.position));
+    float side = spread * cell_side(grid, cell_level(grid, query.position));
     return query.position + to_world(make_frame(query.normal), vec3(side * u, 0.0));
 }
 
@@ -21,7 +21,7 @@ bool guide_lookup(Address guide, GuideQuery query, out Guide g)
     if (capacity == 0u)
         return false;
     uint face = face_of(query.normal);
-    vec3 near = jittered_position(header.table.grid, query, header.jitter);
+    vec3 near = spread_position(header.table.grid, query, header.spread);
     uint slot = find_slot(guide, capacity, guiding_key(header.table.grid, near, face, query.material));
     if (slot == INVALID_INDEX)
         slot = find_slot(guide, capacity, guiding_key(header.table.grid, query.position, face, query.material));
