@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 
+from restirpg.harness.guiding import CHAIN_CELL, chain_header_of, chain_mixture_of
 from restirpg.harness.statistics import luminance
 from restirpg.harness.unbiased import Reference, compare, independent_runs
-from restirpg.records import constant, record
+from restirpg.records import constant
 
-CELL = record("ChainCell")
+CELL = CHAIN_CELL
 CHAINS = constant("CHAINS")
 BOUNCES = 2
 SIZE = (20, 20)
@@ -50,28 +51,12 @@ def graph(output="guide", guided=True, **knobs):
 
 
 def read_guide(renderer):
-    """The header, {key: ChainCell} and the grid."""
-    header, table, keys = oracle.read_table(renderer.read_port("guide.guide"), CELL)
+    """The header, {key: ChainCell}, the grid and the header of the chains."""
+    raw = renderer.read_port("guide.guide")
+    header, table, keys = oracle.read_table(raw, CELL)
     assert oracle.slots_are_reachable(keys)
-    return header, {key: cell for key, (cell,) in table.items()}, oracle.grid_of(header, SMALLEST_CELL)
-
-
-def lobes(cell, position, knobs):
-    """Directions (4, 3), concentrations and weights (4,) of a cell's chains, seen from a position."""
-    to = cell["states"]["target"].astype(float) - position
-    distance = np.linalg.norm(to, axis=-1)
-    samples = cell["states"]["samples"].astype(float)
-    shrink = samples**2 / (samples**2 + knobs["concentration_prior"] / np.maximum(distance**2, 1e-12))
-    r = cell["states"]["cosine"] * shrink
-    kappa = np.clip(r * (3 - r * r) / np.maximum(1 - r * r, 1e-6), 0, knobs["largest_kappa"])
-    weight = (samples > 0) / max(1, (samples > 0).sum())
-    return to / np.maximum(distance, 1e-20)[:, None], kappa, weight
-
-
-def vmf(w, mu, kappa):
-    """Densities of a direction, 1/sr."""
-    safe = np.maximum(kappa, 1e-6)
-    return safe / (2 * np.pi * -np.expm1(-2 * safe)) * np.exp(-safe * ((w - mu) ** 2).sum(-1) / 2)
+    cells = {key: cell for key, (cell,) in table.items()}
+    return header, cells, oracle.grid_of(header, SMALLEST_CELL), chain_header_of(raw)
 
 
 class Proposals:
@@ -83,11 +68,10 @@ class Proposals:
         self.best, self.explores = [None] * CHAINS, [False] * CHAINS
         self.doubtful = [False] * CHAINS
 
-    def add(self, number, weight, cell, position, w, bsdf_density, numbers, knobs):
+    def add(self, number, weight, cell, position, w, bsdf_density, numbers, header):
         chain, explores, doubtful = min(int(numbers[1] * CHAINS), CHAINS - 1), True, False
         if cell is not None and (cell["states"]["samples"] > 0).any():
-            mu, kappa, share = lobes(cell, position, knobs)
-            densities = share * vmf(w, mu, kappa)
+            densities = np.exp(chain_mixture_of(cell, position, header).log_lobes(w[None]))[0]
             # The components' shares of the unit interval, in order: the lobes, then the BSDF.
             borders = np.cumsum([*densities, bsdf_density]) / (densities.sum() + bsdf_density)
             component = int(np.searchsorted(borders, numbers[0], side="right"))
@@ -105,7 +89,7 @@ class Proposals:
 
 
 def propose(samples, width, frame, grid, before, knobs):
-    """{key: Proposals} of a frame; `before`: the cells and the grid of the frame before, or None."""
+    """{key: Proposals} of a frame; `before`: cells, grid and header of the frame before, or None."""
     stride = len(samples) // (width * width)
     points = grid.positions(samples["position"])
     keys, doubtful = grid.keys(points, oracle.vertex_face(samples), samples["surface"] & 0xFFFF)
@@ -135,7 +119,7 @@ def propose(samples, width, frame, grid, before, knobs):
         proposals.count += 1
         if weights[n] > 0:
             weight = min(weights[n], oracle.LARGEST_WEIGHT)
-            proposals.add(n, weight, cell, points[n], directions[n], densities[n], random[n], knobs)
+            proposals.add(n, weight, cell, points[n], directions[n], densities[n], random[n], before and before[2])
     for key in unsure:
         found[key].doubtful = [True] * CHAINS
     return found
@@ -175,7 +159,7 @@ def advance(state, proposals, chain, key, frame, samples, grid, knobs):
 
 def check_frame(renderer, before, after, knobs):
     """All cells of a frame; returns the shares of chains that moved within their lobe, and that began anew."""
-    header, cells, grid = after
+    header, cells, grid, _ = after
     samples = renderer.read_port("paths.samples").view(oracle.SAMPLE)
     frame = renderer.frame - 1
     found = propose(samples, renderer.size[0], frame, grid, before and before[1:], knobs)

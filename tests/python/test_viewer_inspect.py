@@ -103,6 +103,15 @@ def test_the_guide_at_a_pixel_is_that_of_the_harness(session, scene):
     assert sum(weight for _, weight in told["lobes"]) == pytest.approx(1, abs=0.01)
 
 
+def test_the_guide_by_chains_is_told_too(scene):
+    session = Session(scene, [GRAPH.with_name("raw_pt_alber2025.py")], SIZE, validation=True)
+    for _ in range(FRAMES):
+        session.render()
+    told = session.inspector.guide(0, *FLOOR)
+    assert 0 < len(told["lobes"]) <= 4 and sum(weight for _, weight in told["lobes"]) == pytest.approx(1)
+    assert told["alpha"] == 0.5 and told["samples"] >= 1 and set(told["maps"]) == {"lobes", "directions of this frame"}
+
+
 def test_a_graph_without_a_guide_refuses(scene):
     plain = Session(scene, [GRAPH], (16, 16), validation=True)
     with pytest.raises(UserError, match="no pass of type .*GuidingSplat"):

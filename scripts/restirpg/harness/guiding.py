@@ -18,10 +18,16 @@ SUMS = record("GuidingSums", lanes="<i8", bsdf="<i8")
 PLACES = record("GuidingPlaceSums", lanes="<i8")
 CELL = record("GuidingCell", state=[("age", "<u2"), ("alpha", "<u2")])  # alpha in 65535ths
 MEMORY = record("GuidingMemory")
+CHAIN_CELL, CHAIN_HEADER = record("ChainCell"), record("ChainHeader")
 
 FINAL, LIGHT_SAMPLED = constant("VERTEX_FINAL"), constant("VERTEX_LIGHT_SAMPLED")  # of `surface`
 LEARNS_ALPHA = constant("GUIDING_ALPHA")  # of a header's `options`
 LOBES = constant("GUIDING_LOBES")
+
+
+def chain_header_of(raw):
+    """The header of GuidingChain's guide."""
+    return raw[: CHAIN_HEADER.itemsize].view(CHAIN_HEADER)[0]
 
 
 def header_of(raw):
@@ -188,3 +194,15 @@ def alpha_of(cell):
 def mixture_of(cell):
     lobes = cell["lobes"]
     return Mixture(unpack_direction(lobes["direction"]), lobes["kappa"].astype(float), lobes["weight"].astype(float))
+
+
+def chain_mixture_of(cell, position, header):
+    """The Mixture of a CHAIN_CELL's chains, seen from a point; weights are 0 of chains that have no lobe. `header`:
+    CHAIN_HEADER.  [shaders/README: Markov chain mixtures]"""
+    states = cell["states"]
+    to = states["target"].astype(float) - position
+    distance = np.maximum(np.linalg.norm(to, axis=-1), 1e-20)
+    squared = states["samples"].astype(float) ** 2
+    r = states["cosine"] * squared / (squared + header["prior"] / np.maximum(distance**2, 1e-12))
+    kappa = np.clip(r * (3 - r * r) / np.maximum(1 - r * r, 1e-6), 0, header["largestKappa"])
+    return Mixture(to / distance[:, None], kappa, (squared > 0) / max(1, (squared > 0).sum()))

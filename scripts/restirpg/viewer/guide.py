@@ -19,36 +19,71 @@ def at_pixel(pane, probe, scene, pixel, with_product):
     the graph has no guide in the hash grid, or the pixel shows no surface."""
     from restirpg.harness import guide_maps  # matplotlib takes a second
 
-    names = guiding.GuidedGraph(pane.description)
-    grid = names.grid(pane.renderer)
+    chains = any(entry["type"] == "GuidingChain" for entry in pane.description["passes"])
+    guide = _ChainGuide(pane) if chains else _MixtureGuide(pane)
+    grid = guide.grid
     images = {"normal": "geometric_normal", "depth": "depth", "material": "material"}
     seen = SimpleNamespace(camera=pane.renderer.camera, output=lambda name: probe.renderer.output(images[name]))
     (point,) = guide_maps.find_points(seen, grid, [pixel], pane.renderer.size)
-    guide = guiding.read_table(pane.renderer.read_port(f"{names.fit}.guide"), guiding.CELL, guiding.MEMORY)[1]
     maps, told = {}, {"side": float(grid.side(guiding.level_of(point.key)))}
     if with_product:
         maps["true product"] = guide_maps.products_at([point], scene, scene.bounce_cap or 8)[0]
-    if point.key in guide:
-        cell = guide[point.key][0]
-        mixture = guiding.mixture_of(cell)
+    if found := guide.at(point):
+        mixture, learnt = found
         maps["lobes"] = guide_maps.lobes_in(mixture, point)
-        order = np.argsort(-mixture.weight)
-        told.update(
-            lobes=[(float(mixture.kappa[i]), float(mixture.weight[i])) for i in order],
-            age=int(cell["age"]),
-            alpha=guiding.alpha_of(cell),
-            samples=float(cell["samples"]),
-        )
-    port = f"{names.reuse}.vertices"
+        order = [i for i in np.argsort(-mixture.weight, kind="stable") if mixture.weight[i] > 0]
+        told.update(lobes=[(float(mixture.kappa[i]), float(mixture.weight[i])) for i in order], **learnt)
+    port = guide.learns_from
     if port in pane.renderer.memory():
-        directions, _, keys = guide_maps.splatted(pane.renderer, port, grid)
-        mine = directions[keys == np.uint64(point.key)]
+        directions, weights, keys = guide_maps.splatted(pane.renderer, port, grid, raw=chains)
+        mine = directions[(keys == np.uint64(point.key)) & (weights > 0)]
         told["directions"] = len(mine)
         if len(mine):
             maps["directions of this frame"] = point.histogram(guiding.unpack_direction(mine), np.ones(len(mine)))
     if not maps:
         raise UserError(f"nothing guides at pixel {pixel[0]} {pixel[1]} yet")
     return {**told, "maps": _encoded(maps)}
+
+
+class _MixtureGuide:
+    """GuidingFit's: a mixture per cell."""
+
+    def __init__(self, pane):
+        names = guiding.GuidedGraph(pane.description)
+        self.grid, self.learns_from = names.grid(pane.renderer), f"{names.reuse}.vertices"
+        self._cells = guiding.read_table(pane.renderer.read_port(f"{names.fit}.guide"), guiding.CELL, guiding.MEMORY)[1]
+
+    def at(self, point):
+        """The Mixture at a point and what is told of it; None: there is none."""
+        if point.key not in self._cells:
+            return None
+        cell = self._cells[point.key][0]
+        learnt = {"age": int(cell["age"]), "alpha": guiding.alpha_of(cell), "samples": float(cell["samples"])}
+        return guiding.mixture_of(cell), learnt
+
+
+class _ChainGuide:
+    """GuidingChain's: a lobe per chain of a cell."""
+
+    def __init__(self, pane):
+        chain, paths = guiding.passes_of(pane.description, "GuidingChain", "PathTracerGuided")
+        raw = pane.renderer.read_port(f"{chain}.guide")
+        self._header, self._cells = guiding.chain_header_of(raw), guiding.read_table(raw, guiding.CHAIN_CELL)[1]
+        self.grid = guiding.grid_of(guiding.header_of(raw), pane.renderer.get(f"{chain}.smallest_cell"))
+        self.learns_from = f"{paths}.samples"
+        self._alpha = pane.renderer.get(f"{paths}.alpha")
+
+    def at(self, point):
+        """The Mixture at a point and what is told of it; None: there is none."""
+        if point.key not in self._cells or not self._cells[point.key][0]["states"]["samples"].any():
+            return None
+        cell = self._cells[point.key][0]
+        learnt = {
+            "age": int(cell["age"]),
+            "alpha": float(self._alpha),
+            "samples": float(cell["states"]["samples"].sum()),
+        }
+        return guiding.chain_mixture_of(cell, point.position, self._header), learnt
 
 
 def _encoded(maps):

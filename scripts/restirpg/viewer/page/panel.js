@@ -155,7 +155,7 @@ export class Panel {
     showGuide(guide) {
         const lobes = (guide.lobes ?? []).map(([kappa, weight]) => element("tr", {}, element("td", { textContent: `lobe, kappa ${kappa.toPrecision(3)}` }),
                                                                              element("td", { textContent: `${(100 * weight).toFixed(1)}%` })));
-        const told = guide.lobes ? `, alpha ${guide.alpha.toFixed(3)}, last fitted to ${guide.samples.toFixed(0)} samples ${guide.age} frames ago` : ": nothing learnt yet";
+        const told = guide.lobes ? `, alpha ${guide.alpha.toFixed(3)}, learnt from ${guide.samples.toFixed(0)} samples, last ${guide.age} frames ago` : ": nothing learnt yet";
         this.guide?.replaceChildren(element("div", { textContent: `cell of ${(100 * guide.side).toPrecision(3)} cm${told}` }), element("table", {}, ...lobes),
             ...Object.entries(guide.maps).map(([name, data]) => element("figure", {}, element("figcaption", { textContent: name }),
                 element("img", { src: `data:image/png;base64,${data}` }))));
