@@ -1,8 +1,8 @@
 // A graph that the wiring check accepts renders. Random wirings of every pass, right and wrong, with random knobs: each
 // is refused in located lines before anything is built, or renders three frames without a validation message.
 //
-// RESTIRPG_WIRINGS=500 tries as many. The wiring that is being tried lies in random_wiring.json beside the test
-// program: a graph file for `restirpg render`, should the program end here.
+// RESTIRPG_WIRINGS=500 tries as many. The wiring that is being tried lies in random_wiring.json of the build
+// folder: a graph file for `restirpg render`, should the program end here.
 #include "../scene/gltf_builder.h"
 #include "image/image.h"
 #include "render/executor.h"
@@ -230,7 +230,7 @@ TEST_F(RandomWirings, AreRefusedInLocatedLinesOrRender)
             ++refused;
             continue;
         }
-        std::ofstream("random_wiring.json") << description.dump(1);
+        std::ofstream(RESTIRPG_BUILD "/random_wiring.json") << description.dump(1);
         try {
             render(std::move(graph));
         } catch (const std::exception& error) {

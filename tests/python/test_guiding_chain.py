@@ -1,27 +1,23 @@
 """GuidingChain: its chains move as a NumPy oracle says, and paths that they guide have the path tracer's mean.
 
 The oracle is written from framework/shaders/README.md, "Markov chain mixtures", in double precision. Cells where rounding
-could decide are left out, and counted. Null hypothesis and false-alarm rate of the rendered test: see
-scripts/restirpg/harness/unbiased.py. Indirect light of the diffuse Cornell box, bounce cap 2, frame FRAME of each run. A
-guide whose density is 10% too small was found: image z 4.9 without ReSTIR, 5.3 with it.
+could decide are left out, and counted. Statistics of the rendered test: see live_guides.py. Indirect light of the
+diffuse Cornell box, bounce cap 2. A guide whose density is 10% too small was found: image z 4.9 without ReSTIR, 5.3
+with it.
 """
 
 import guiding_oracle as oracle
 import numpy as np
 import pytest
+from live_guides import check_mean, reference_of
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 
 from restirpg.harness.guiding import CHAIN_CELL, chain_header_of, chain_mixture_of
-from restirpg.harness.statistics import luminance
-from restirpg.harness.unbiased import Reference, compare, independent_runs
 from restirpg.records import constant
 
 CELL = CHAIN_CELL
 CHAINS = constant("CHAINS")
 BOUNCES = 2
-SIZE = (20, 20)
-RUNS = 64
-FRAME = 8
 REFERENCE_FRAMES = 1024
 TESTS = 2  # that share the false-alarm rate
 SEED = 7
@@ -227,17 +223,9 @@ def test_the_same_seed_gives_the_same_bytes(scene):
 @pytest.fixture(scope="module")
 def reference(scene):
     """The plain path tracer's indirect light."""
-    renderer = make_renderer(scene, graph("accumulate.mean", guided=False), seed=1, size=SIZE)
-    renderer.render(REFERENCE_FRAMES)
-    # The standard deviation of a luminance is at most that of fully correlated channels.
-    deviation = luminance(np.sqrt(renderer.output("variance")))
-    return Reference(luminance(renderer.output("radiance")), deviation**2 / REFERENCE_FRAMES)
+    return reference_of(scene, graph("accumulate.mean", guided=False), REFERENCE_FRAMES)
 
 
 @pytest.mark.parametrize("output", ["paths.radiance", "reuse.radiance"])
 def test_guiding_by_chains_keeps_the_path_tracers_mean(scene, reference, output):
-    renderer = make_renderer(scene, graph(output), size=SIZE)
-    images = independent_runs(renderer, RUNS, (FRAME,))[FRAME]
-    verdict = compare(images, reference, TESTS)
-    print(f"{output}: {verdict}")
-    assert verdict.worst < 1 and verdict.mean < 4, str(verdict)
+    check_mean(scene, graph(output), reference, TESTS)

@@ -1,22 +1,16 @@
 """GuidingScreen: paths guided live by one lobe per pixel have the path tracer's mean; where there are lobes.
 
-Null hypothesis and false-alarm rate of the rendered tests: see scripts/restirpg/harness/unbiased.py. Indirect light of
-the diffuse Cornell box, bounce cap 2. A live guide is fitted to the very paths that ReSTIR keeps: frame FRAME
-of each run is one sample. A guide whose density is 10% too small was found in all tests of the mean: image z
-5.9 (Gaussian) and 5.2 (vMF) without ReSTIR, 4.6 with it.
+Statistics of the rendered tests: see live_guides.py. Indirect light of the diffuse Cornell box, bounce cap 2. A guide
+whose density is 10% too small was found in all tests of the mean: image z 5.9 (Gaussian) and 5.2 (vMF) without ReSTIR,
+4.6 with it.
 """
 
 import numpy as np
 import pytest
+from live_guides import check_mean, reference_of
 from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
 
-from restirpg.harness.statistics import luminance
-from restirpg.harness.unbiased import Reference, compare, independent_runs
-
 BOUNCES = 2
-SIZE = (20, 20)
-RUNS = 64
-FRAME = 8
 REFERENCE_FRAMES = 2048
 TESTS = 3  # that share the false-alarm rate
 
@@ -57,28 +51,16 @@ def graph(output, guided=True, **knobs):
 @pytest.fixture(scope="module")
 def reference(scene):
     """The plain path tracer's indirect light."""
-    renderer = make_renderer(scene, graph("accumulate.mean", guided=False), seed=1, size=SIZE)
-    renderer.render(REFERENCE_FRAMES)
-    # The standard deviation of a luminance is at most that of fully correlated channels.
-    deviation = luminance(np.sqrt(renderer.output("variance")))
-    return Reference(luminance(renderer.output("radiance")), deviation**2 / REFERENCE_FRAMES)
-
-
-def check(scene, output, reference, **knobs):
-    """The given port's mean in frame FRAME is the reference's."""
-    images = independent_runs(make_renderer(scene, graph(output, **knobs), size=SIZE), RUNS, (FRAME,))[FRAME]
-    verdict = compare(images, reference, TESTS)
-    print(f"{output} {knobs}: {verdict}")
-    assert verdict.worst < 1 and verdict.mean < 4, str(verdict)
+    return reference_of(scene, graph("accumulate.mean", guided=False), REFERENCE_FRAMES)
 
 
 @pytest.mark.parametrize("lobe", ["gaussian", "vmf"])
 def test_live_guiding_keeps_the_path_tracers_mean(scene, reference, lobe):
-    check(scene, "paths.radiance", reference, lobe=lobe)
+    check_mean(scene, graph("paths.radiance", lobe=lobe), reference, TESTS)
 
 
 def test_restir_over_live_guiding_keeps_the_path_tracers_mean(scene, reference):
-    check(scene, "reuse.radiance", reference, product=True, neighbours=24, prior=0.2)
+    check_mean(scene, graph("reuse.radiance", product=True, neighbours=24, prior=0.2), reference, TESTS)
 
 
 def test_the_same_seed_gives_the_same_bytes(scene):
