@@ -85,7 +85,7 @@ void main()
         Domain domain = load_domain(hit, false);
         r = resample_candidates(domain.point, direct_key(at));
         // An occluded winner is an estimate of 0 from a whole candidate set: its confidence stays.
-        if (r.ucw > 0.0 && !is_seen(domain, r.point))
+        if (r.ucw > 0.0 && !is_free(shadow_ray_to_light(domain.today, r.point)))
             r.ucw = 0.0;
     }
     LightReservoirArray(params.reservoirs).at[pixel] = r;

@@ -25,8 +25,8 @@ RandomKey direct_key(uvec2 at)
     return random_key(picture_pixel(at), frame.c.frame, frame.c.seed ^ RANDOM_STREAM_DIRECT);
 }
 
-/// Holder of a point: neighbour 0 ... count - 1, or the centre.
-const uint CENTRE = MAX_NEIGHBOURS;
+// A participant's number: 0 is the centre, 1 ... count are its neighbours.
+const uint CENTRE = 0u;
 
 /// The surface of a pixel as its own camera saw it, and where that surface stands today.
 struct Domain {
@@ -66,14 +66,15 @@ void add_neighbour(uint pixel, float confidence)
     merge.total += confidence;
 }
 
-uint neighbour_pixel(uint j)
+/// Of a neighbour.
+uint pixel_of(uint participant)
 {
-    return list_get(merge.pixels, j);
+    return list_get(merge.pixels, participant - 1u);
 }
 
-float neighbour_confidence(uint j)
+float confidence_of(uint participant)
 {
-    return uintBitsToFloat(list_get(merge.confidences, j));
+    return participant == CENTRE ? merge.own.confidence : uintBitsToFloat(list_get(merge.confidences, participant - 1u));
 }
 
 /// The domain of a pixel of this frame or the one before, by its primary hit.
@@ -86,89 +87,79 @@ Domain load_domain(Hit hit, bool previous)
     return Domain(point, ray_end(today), previous);
 }
 
-/// Does nothing stand between the domain's surface and the point? Of the frame before, no acceleration structure is
-/// left: the ray runs between the places where both ends stand today, so that neither hides behind itself.
-bool is_seen(Domain d, LightPoint y)
-{
-    return is_lit(d.today, edge_to_light(y, d.today.position, false));
-}
-
-/// The target of a domain: p^(y) V(y).
+/// The target of a domain: p^(y) V(y). Of the frame before, no acceleration structure is left: the ray runs between the
+/// places where both ends stand today, so that neither hides behind itself.
 float evaluate_target(Domain d, LightPoint y)
 {
     float target = luminance(direct_contribution(d.point, edge_to_light(y, d.point.position, d.previous)));
-    return target > 0.0 && is_seen(d, y) ? target : 0.0;
+    return target > 0.0 && is_free(shadow_ray_to_light(d.today, y)) ? target : 0.0;
 }
 
-float target_at_centre(LightPoint y)
+/// The target in a participant's domain.
+float target_at(uint participant, LightPoint y)
 {
-    return evaluate_target(merge.centre, y);
+    Domain d = merge.centre;
+    if (participant != CENTRE)
+        d = load_domain(primary_hit(merge.surfaces, pixel_of(participant)), merge.previous);
+    return evaluate_target(d, y);
 }
 
-float target_at_neighbour(uint j, LightPoint y)
-{
-    return evaluate_target(load_domain(primary_hit(merge.surfaces, neighbour_pixel(j)), merge.previous), y);
-}
-
-/// Generalised balance heuristic: confidence times target, over the sum of that of all participants. `own`: the
-/// holder's.
-float balance_weight(float own, float here, uint holder, LightPoint y)
-{
-    float sum = own;
-    if (holder != CENTRE)
-        sum += merge.own.confidence * here;
-    for (uint j = 0u; j < merge.count; ++j)
-        if (j != holder)
-            sum += neighbour_confidence(j) * target_at_neighbour(j, y);
-    return own / sum;
-}
-
-/// A neighbour's share against the centre alone.
+/// Pairwise MIS: a neighbour's share of a point against the centre alone, by the targets in the domains of both.
 float share_of_neighbour(float there, float here)
 {
     return pairwise_share(merge.total - merge.own.confidence, there, merge.own.confidence, here);
 }
 
-/// MIS weight of neighbour j for its point y, of target `there` in its own domain and `here` (> 0) at the centre.
-float neighbour_weight(uint j, LightPoint y, float there, float here)
+/// MIS weight of a participant for the point it holds. `here`: the point's target at the centre; the centre takes no
+/// point that has none there. Every use of a target stands in this one loop: drivers copy a function to each of its
+/// calls, and a target is most of the kernel.
+float mis_weight(uint holder, LightReservoir r, out float here)
 {
-    if (merge.pairwise)
-        return neighbour_confidence(j) / merge.total * share_of_neighbour(there, here);
-    return balance_weight(neighbour_confidence(j) * there, here, j, y);
-}
-
-/// MIS weight of the centre for its point y, of target `here` (> 0). Pairwise: its own part, and what each neighbour
-/// leaves to it.
-float centre_weight(LightPoint y, float here)
-{
+    here = r.target;
+    float own = confidence_of(holder) * r.target;
+    float all = own;  // confidence times target, of all participants: the balance heuristic's denominator
+    float part = confidence_of(holder) / merge.total;  // pairwise: of the point's weight
+    for (uint i = 0u; i <= merge.count; ++i) {
+        if (i == holder)
+            continue;
+        float there = target_at(i, r.point);
+        if (i == CENTRE) {
+            here = there;
+            if (here <= 0.0 || merge.pairwise)  // pairwise, a neighbour shares its points with the centre alone
+                break;
+        }
+        all += confidence_of(i) * there;
+        if (holder == CENTRE)  // what a neighbour leaves to the centre
+            part += confidence_of(i) / merge.total * (1.0 - share_of_neighbour(there, here));
+    }
     if (!merge.pairwise)
-        return balance_weight(merge.own.confidence * here, here, CENTRE, y);
-    float weight = merge.own.confidence / merge.total;
-    for (uint j = 0u; j < merge.count; ++j)
-        weight += neighbour_confidence(j) / merge.total * (1.0 - share_of_neighbour(target_at_neighbour(j, y), here));
-    return weight;
+        return own / all;
+    return holder == CENTRE ? part : part * share_of_neighbour(r.target, here);
 }
 
 /// The merged reservoir.
 LightReservoir merge_reservoirs(RandomKey key, uint round)
 {
     LightReservoir kept = merge.own;
-    kept.confidence = merge.total;
     float sum = 0.0;
-    if (merge.own.ucw > 0.0)
-        sum = centre_weight(kept.point, kept.target) * kept.target * kept.ucw;
-    for (uint j = 0u; j < merge.count; ++j) {
-        LightReservoir r = merge.reservoirs.at[neighbour_pixel(j)];
-        float here = r.ucw > 0.0 ? target_at_centre(r.point) : 0.0;
+    for (uint i = 0u; i <= merge.count; ++i) {
+        LightReservoir r = merge.own;
+        if (i != CENTRE)
+            r = merge.reservoirs.at[pixel_of(i)];
+        if (r.ucw <= 0.0)
+            continue;
+        float here;
+        float mis = mis_weight(i, r, here);
         if (here <= 0.0)
             continue;
-        float weight = neighbour_weight(j, r.point, r.target, here) * here * r.ucw;
+        float weight = mis * here * r.ucw;
         sum += weight;
-        if (random1(key, RANDOM_MERGE + round, j) * sum < weight) {
+        if (i == CENTRE || random1(key, RANDOM_MERGE + round, i - 1u) * sum < weight) {
             kept.point = r.point;
             kept.target = here;
         }
     }
+    kept.confidence = merge.total;
     kept.ucw = sum > 0.0 ? sum / kept.target : 0.0;
     return kept;
 }

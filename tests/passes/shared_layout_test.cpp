@@ -68,7 +68,7 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(TextureRef, row0, row1, index, uvSet),
     LAYOUT(Material, baseColor, metallic, specularColor, roughness, absorption, transmission, specular, ior,
            coatAverage, flags, emission, alpha, alphaCutoff, normalScale, energyTable, unused, baseColorMap,
-           metallicRoughnessMap, normalMap, emissiveMap, transmissionMap, specularMap, specularColorMap),
+           metallicRoughnessMap, specularMap, specularColorMap, transmissionMap, normalMap, emissiveMap),
     LAYOUT(MeshVertex, position, normal, uv0),
     LAYOUT(VertexExtras, tangent, uv1, color),
     LAYOUT(MeshTriangle, vertices, material),

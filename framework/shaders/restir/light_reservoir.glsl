@@ -121,6 +121,25 @@ ShadowRay shadow_ray_to_light(RayEnd x, LightEdge e)
     return shadow_ray(x, RayEnd(e.position, e.normal, e.clearance));
 }
 
+/// The same from the light point alone, as it stands today.
+ShadowRay shadow_ray_to_light(RayEnd x, LightPoint y)
+{
+    if (y.instance != INVALID_INDEX) {
+        Instance placed = load_instance(y.instance);
+        WorldTriangle t = place_triangle(placed, y.index, placed.objectToWorld);
+        vec3 position = point_on(t, y.place);
+        vec3 normal = normalize(t.cross_product);
+        return shadow_ray(x, RayEnd(position, normal, find_clearance(t, placed, position, normal)));
+    }
+    Light light = LightArray(SCENE.lights).at[y.index];
+    if (light.type == LIGHT_ENVIRONMENT)
+        return shadow_ray(x, decode_octahedral(y.place));
+    if (light.type == LIGHT_DIRECTIONAL)
+        return shadow_ray(x, -light.direction);
+    vec3 d = light.position - x.position;
+    return shadow_ray(x, RayEnd(light.position, d / length(d), 0.0));
+}
+
 /// Does nothing stand between?
 bool is_lit(RayEnd x, LightEdge e)
 {

@@ -39,18 +39,22 @@ struct Emission {
 /// The texture's part of an emitter's radiance; 0 where an alpha mask takes the surface away.
 vec3 textured_emission(uint material_index, uvec3 index, vec2 barycentrics)
 {
-    Material material = MaterialArray(SCENE.materials).at[material_index];
     vec3 weight = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
     VertexExtrasArray extras = VertexExtrasArray(SCENE.vertexExtras);
     Corners corners = load_corners(index);
     vec2 uv0 = mat3x2(corners.a.uv0, corners.b.uv0, corners.c.uv0) * weight;
     vec2 uv1 = mat3x2(extras.at[index.x].uv1, extras.at[index.y].uv1, extras.at[index.z].uv1) * weight;
+#if RESTIRPG_ALPHA_MASK
+    Material material = MaterialArray(SCENE.materials).at[material_index];
     float alpha = material.alpha;
-    if (material.baseColorMap.index != INVALID_INDEX)
-        alpha *= fetch_texture(material.baseColorMap, uv0, uv1).a;
+    TextureRef base_color = load_map(material_index, MAP_BASE_COLOR);
+    if (base_color.index != INVALID_INDEX)
+        alpha *= fetch_texture(base_color, uv0, uv1).a;
     if ((material.flags & MATERIAL_ALPHA_MASK) != 0u && alpha < material.alphaCutoff)
         return vec3(0.0);
-    return material.emissiveMap.index == INVALID_INDEX ? vec3(1.0) : fetch_texture(material.emissiveMap, uv0, uv1).rgb;
+#endif
+    TextureRef map = load_map(material_index, MAP_EMISSIVE);
+    return map.index == INVALID_INDEX ? vec3(1.0) : fetch_texture(map, uv0, uv1).rgb;
 }
 
 /// What a triangle of a placed mesh emits at a point of it. `front`: to the side its winding faces.

@@ -105,6 +105,15 @@ PlainMaterial load_material(uint index)
     return PlainMaterial(vec3(a, b.x), b.y, vec3(c, d.x), d.y, vec3(e, f.x), f.y, g.x, g.y, h.x, floatBitsToUint(h.y), vec3(i, j.x), j.y);
 }
 
+/// A material's map by number, MAP_*.
+TextureRef load_map(uint material, uint map)
+{
+    WordArray record = record_at(SCENE.materials + MAPS_AT_BYTE + uint64_t(map) * MAP_BYTES, material, MATERIAL_BYTES);
+    vec2 a = floats_of(record, 0u), b = floats_of(record, 1u), c = floats_of(record, 2u);
+    uvec2 d = uints_of(record, 3u);
+    return TextureRef(vec3(a, b.x), vec3(b.y, c), d.x, d.y);
+}
+
 /// The hit of a pixel, from a "Surface" port.
 Hit primary_hit(Address surfaces, uint pixel)
 {

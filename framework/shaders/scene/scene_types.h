@@ -71,14 +71,20 @@ struct Material {
     float normalScale;
     uint energyTable;  ///< index of this ior's table in SceneTable::energyTables
     uint unused;
+    // In the order of MAP_*.
     TextureRef baseColorMap;  ///< sRGB, alpha in a
     TextureRef metallicRoughnessMap;  ///< roughness in g, metallic in b
-    TextureRef normalMap;
-    TextureRef emissiveMap;  ///< sRGB
-    TextureRef transmissionMap;  ///< r
     TextureRef specularMap;  ///< a
     TextureRef specularColorMap;  ///< sRGB
+    TextureRef transmissionMap;  ///< r
+    TextureRef normalMap;
+    TextureRef emissiveMap;  ///< sRGB
 };
+
+// Maps of a material by number (load_map of scene.glsl). Those before SCATTERING_MAPS change parameters of the BSDF.
+RESTIRPG_CONST MAP_BASE_COLOR = 0u, MAP_METALLIC_ROUGHNESS = 1u, MAP_SPECULAR = 2u, MAP_SPECULAR_COLOR = 3u, MAP_TRANSMISSION = 4u;
+RESTIRPG_CONST SCATTERING_MAPS = 5u;
+RESTIRPG_CONST MAP_NORMAL = 5u, MAP_EMISSIVE = 6u;
 
 /// 32 bytes.
 struct MeshVertex {
@@ -194,11 +200,14 @@ struct BvhObject {
 };
 
 RESTIRPG_CONST INSTANCE_BYTES = 64u, POSE_BYTES = 48u, TRIANGLE_BYTES = 16u, VERTEX_BYTES = 32u, MATERIAL_BYTES = 320u,
-               BVH_NODE_BYTES = 32u, BVH_TRIANGLE_BYTES = 48u;
+               MAPS_AT_BYTE = 96u, MAP_BYTES = 32u, BVH_NODE_BYTES = 32u, BVH_TRIANGLE_BYTES = 48u;
 #ifdef __cplusplus
 static_assert(sizeof(Instance) == INSTANCE_BYTES && sizeof(mat4x3) == POSE_BYTES &&
               sizeof(MeshTriangle) == TRIANGLE_BYTES && sizeof(MeshVertex) == VERTEX_BYTES &&
-              sizeof(Material) == MATERIAL_BYTES && sizeof(BvhNode) == BVH_NODE_BYTES &&
+              sizeof(Material) == MATERIAL_BYTES && sizeof(TextureRef) == MAP_BYTES &&
+              offsetof(Material, baseColorMap) == MAPS_AT_BYTE + MAP_BASE_COLOR * MAP_BYTES &&
+              offsetof(Material, transmissionMap) == MAPS_AT_BYTE + MAP_TRANSMISSION * MAP_BYTES &&
+              offsetof(Material, emissiveMap) == MAPS_AT_BYTE + MAP_EMISSIVE * MAP_BYTES && sizeof(BvhNode) == BVH_NODE_BYTES &&
               sizeof(BvhTriangle) == BVH_TRIANGLE_BYTES);
 #endif
 

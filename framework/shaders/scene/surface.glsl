@@ -84,35 +84,41 @@ struct ShadingPoint {
 /// The normal of a normal-mapped surface, glTF's convention; on the front side.
 vec3 apply_normal_map(Surface s)
 {
-    Material material = MaterialArray(SCENE.materials).at[s.material];
+    TextureRef map = load_map(s.material, MAP_NORMAL);
     vec3 n = s.shading_normal;
     vec3 tangent = s.tangent.xyz - n * dot(n, s.tangent.xyz);
-    if (material.normalMap.index == INVALID_INDEX || dot(tangent, tangent) <= 0.0 || s.tangent.w == 0.0)
+    if (map.index == INVALID_INDEX || dot(tangent, tangent) <= 0.0 || s.tangent.w == 0.0)
         return n;
     tangent = normalize(tangent);
     vec3 bitangent = cross(n, tangent) * sign(s.tangent.w);
-    vec3 m = fetch_texture(material.normalMap, s.uv0, s.uv1).xyz * 2.0 - 1.0;
-    vec3 mapped = m.x * material.normalScale * tangent + m.y * material.normalScale * bitangent + m.z * n;
+    vec3 m = fetch_texture(map, s.uv0, s.uv1).xyz * 2.0 - 1.0;
+    float scale = MaterialArray(SCENE.materials).at[s.material].normalScale;
+    vec3 mapped = m.x * scale * tangent + m.y * scale * bitangent + m.z * n;
     float len = length(mapped);
     return len > 0.0 ? mapped / len : n;
 }
 
+/// The maps' parts of the parameters. The fetch stands in a loop and once: drivers copy a function to each of its calls.
 void apply_textures(Surface s, inout BsdfParameters p)
 {
-    Material material = MaterialArray(SCENE.materials).at[s.material];
-    if (material.baseColorMap.index != INVALID_INDEX)
-        p.baseColor *= fetch_texture(material.baseColorMap, s.uv0, s.uv1).rgb;
-    if (material.metallicRoughnessMap.index != INVALID_INDEX) {
-        vec4 texel = fetch_texture(material.metallicRoughnessMap, s.uv0, s.uv1);
-        p.roughness *= texel.g;
-        p.metallic *= texel.b;
+    [[dont_unroll]] for (uint i = 0u; i < SCATTERING_MAPS; ++i) {
+        TextureRef map = load_map(s.material, i);
+        if (map.index == INVALID_INDEX)
+            continue;
+        vec4 texel = fetch_texture(map, s.uv0, s.uv1);
+        if (i == MAP_BASE_COLOR)
+            p.baseColor *= texel.rgb;
+        if (i == MAP_METALLIC_ROUGHNESS) {
+            p.roughness *= texel.g;
+            p.metallic *= texel.b;
+        }
+        if (i == MAP_SPECULAR)
+            p.specular *= texel.a;
+        if (i == MAP_SPECULAR_COLOR)
+            p.specularColor *= texel.rgb;
+        if (i == MAP_TRANSMISSION)
+            p.transmission *= texel.r;
     }
-    if (material.specularMap.index != INVALID_INDEX)
-        p.specular *= fetch_texture(material.specularMap, s.uv0, s.uv1).a;
-    if (material.specularColorMap.index != INVALID_INDEX)
-        p.specularColor *= fetch_texture(material.specularColorMap, s.uv0, s.uv1).rgb;
-    if (material.transmissionMap.index != INVALID_INDEX)
-        p.transmission *= fetch_texture(material.transmissionMap, s.uv0, s.uv1).r;
 }
 
 BsdfParameters evaluate_parameters(Surface s, PlainMaterial material, bool front)
