@@ -25,7 +25,7 @@ void main()
         vec4 v = random4(key, i, RANDOM_LIGHT);
         float z = 0.05 + 0.95 * v.x;  // wo anywhere over the hemisphere but at its very edge
         float r = sqrt(1.0 - z * z);
-        BsdfSample s = bsdf_sample(b, vec3(r, 0.0, z), u.z, u.xy);
+        BsdfSample s = bsdf_sample(b, bsdf_lobe_probabilities(b, vec3(r, 0.0, z)), vec3(r, 0.0, z), u.z, u.xy);
         if (s.pdf > 0.0)
             sum += s.weight;
     }

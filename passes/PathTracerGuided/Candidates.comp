@@ -32,26 +32,21 @@ float weight_sum;
 /// P(l) Q_l(wi): density of scatter with label l, 1/sr; the mixture with the guide for the smooth label. Delta labels: 0.
 float label_density(Vertex v, uint label, vec3 local, vec3 wi)
 {
-    float density = bsdf_pdf(v.point.bsdf, v.point.wo, local, label_lobes(v.point.bsdf, label));
+    ShadingPoint p = v.point;
+    float density = bsdf_pdf(p.bsdf, p.lobe_probabilities, p.wo, local, label_lobes(p.bsdf, label));
     if (label == LABEL_SMOOTH && v.guided) {
-        float guided = label_probability(v.point.bsdf, v.point.wo, LABEL_SMOOTH) * guided_pdf(v, wi);
+        float guided = label_probability(p.bsdf, p.lobe_probabilities, LABEL_SMOOTH) * guided_pdf(v, wi);
         density += (1.0 - v.alpha) * (guided - density);
     }
     return density;
 }
 
-/// f |cos| of one label's rough lobes.
-vec3 label_value(Vertex v, uint label, vec3 local)
-{
-    return bsdf_eval(v.point.bsdf, v.point.wo, local, label_lobes(v.point.bsdf, label)) * abs(local.z);
-}
-
 /// P_n(label): how a light sample's path draws the label of its last bounce, in proportion to the labels' luminances.
-vec3 label_shares(Vertex v, vec3 local)
+vec3 label_shares(LabelValues values)
 {
-    vec3 shares;
-    for (uint label = LABEL_SMOOTH; label <= LABEL_SHARP_TRANSMIT; ++label)
-        shares[label] = luminance(label_value(v, label, local));
+    float sharp = luminance(values.sharp_value);
+    bool reflects = values.sharp_label == LABEL_SHARP_REFLECT;
+    vec3 shares = vec3(luminance(values.smooth_value), reflects ? sharp : 0.0, reflects ? 0.0 : sharp);
     return shares / max(shares.x + shares.y + shares.z, 1e-30);
 }
 
@@ -74,6 +69,7 @@ struct Bounce {
     vec3 local;
     vec3 wi;
     vec3 value;  ///< f |cos|; of a delta its throughput
+    vec3 shares;  ///< label_shares
     float density;  ///< P(l) Q_l; of a delta P(l)
     float replay_pdf;  ///< density of a rough sharp lobe's own draw; else 1
 };
@@ -82,7 +78,8 @@ struct Bounce {
 vec3 label_value_along(Vertex v, uint label, vec3 wi)
 {
     vec3 local = to_local(v.point.local_frame, wi);
-    return is_consistent(v.point, local, wi) ? label_value(v, label, local) : vec3(0.0);
+    vec3 f = bsdf_eval(v.point.bsdf, v.point.wo, local, label_lobes(v.point.bsdf, label));
+    return is_consistent(v.point, local, wi) ? f * abs(local.z) : vec3(0.0);
 }
 
 /// The tree's vertex becomes x_k, which the path leaves in direction wi.
@@ -135,12 +132,13 @@ void offer_light_sample(Tree tree, Vertex v, uint u, RandomKey key, RandomKey ch
     vec3 local = to_local(p.local_frame, e.wi);
     if (e.radiance == vec3(0.0) || e.jacobian <= 0.0 || e.light_pdf <= 0.0 || !is_consistent(p, local, e.wi))
         return;
-    vec3 shares = label_shares(v, local);
+    LabelValues values = label_values(p.bsdf, p.wo, local);
+    vec3 shares = label_shares(values);
     vec4 numbers = random4(choices, u, 0u);
     uint label = numbers.x < shares.x ? LABEL_SMOOTH : numbers.x < shares.x + shares.y ? LABEL_SHARP_REFLECT : LABEL_SHARP_TRANSMIT;
     if (shares[label] <= 0.0 || !is_lit(ray_end(p), e))
         return;
-    Bounce bounce = Bounce(label, false, local, e.wi, label_value(v, label, local), 0.0, 1.0);
+    Bounce bounce = Bounce(label, false, local, e.wi, value_of_label(values, label), shares, 0.0, 1.0);
     float density = e.light_pdf / e.jacobian * shares[label] + (e.delta ? 0.0 : label_density(v, label, local, e.wi));
     vec3 light = e.radiance * edge_transmittance(p, e);
     PathReservoir path = end_path(tree, v, u, bounce, point, e, light);
@@ -154,8 +152,8 @@ Bounce scatter_labelled(Vertex v, RandomKey key, uint u)
 {
     ShadingPoint p = v.point;
     vec4 numbers = random4(key, u, RANDOM_DIRECTION);
-    uint lobe = bsdf_select_lobe(p.bsdf, p.wo, LOBE_ALL, numbers.z);
-    Bounce s = Bounce(label_of_lobe(p.bsdf, lobe), false, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 1.0);
+    uint lobe = bsdf_select_lobe(p.lobe_probabilities, LOBE_ALL, numbers.z);
+    Bounce s = Bounce(label_of_lobe(p.bsdf, lobe), false, vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 1.0);
     if (lobe == 0u)
         return s;
     bool guided = s.label == LABEL_SMOOTH && v.guided && random1(key, u, RANDOM_TECHNIQUE) >= v.alpha;
@@ -164,14 +162,14 @@ Bounce scatter_labelled(Vertex v, RandomKey key, uint u)
         if (s.wi == vec3(0.0))
             return s;
     } else {
-        BsdfSample drawn = bsdf_sample_lobe(p.bsdf, p.wo, lobe, numbers.xy);
+        BsdfSample drawn = bsdf_draw_lobe(p.bsdf, p.wo, lobe, numbers.xy);
         if (drawn.pdf <= 0.0)
             return s;
         s.local = drawn.wi;
         s.wi = to_world(p.local_frame, drawn.wi);
         s.delta = drawn.delta;
         s.value = drawn.weight;
-        s.density = s.delta ? bsdf_lobe_probability(p.bsdf, p.wo, lobe) : 0.0;
+        s.density = s.delta ? probability_of_lobe(p.lobe_probabilities, lobe) : 0.0;
         s.replay_pdf = s.label == LABEL_SMOOTH ? 1.0 : drawn.pdf;
     }
     if (s.delta)
@@ -180,7 +178,9 @@ Bounce scatter_labelled(Vertex v, RandomKey key, uint u)
         s.wi = unpack_direction(pack_direction(s.wi));
         s.local = to_local(p.local_frame, s.wi);
     }
-    s.value = label_value(v, s.label, s.local);
+    LabelValues values = label_values(p.bsdf, p.wo, s.local);
+    s.value = value_of_label(values, s.label);
+    s.shares = label_shares(values);
     s.density = label_density(v, s.label, s.local, s.wi);
     return s;
 }
@@ -192,7 +192,7 @@ void offer_found_light(Tree tree, Vertex v, uint u, Bounce s, PathVertex noted, 
     LightEdge e = edge_to_light(point, v.point.position, false);
     float density = s.density;
     if (!s.delta && e.jacobian > 0.0 && params.nextEventEstimation != 0u)
-        density += e.light_pdf / e.jacobian * label_shares(v, s.local)[s.label];
+        density += e.light_pdf / e.jacobian * s.shares[s.label];
     PathReservoir path = end_path(tree, v, u, s, point, e, radiance * absorption);
     if (offer(path, luminance(path.f) * tree.inverse_pdf / density, random4(choices, u, 0u).z))
         keep_last_vertex(noted, false);
@@ -236,22 +236,27 @@ void trace_tree(Hit hit, uvec2 at, uint number)
         bool found = trace_closest(leave_surface(ray_end(v.point), s.wi), s.wi, RAY_INFINITY, hit, t);
         bool owned = u > 1u || s.delta;
         PathVertex bounce = record_bounce(v.point, v.material, s.label, s.wi, s.value);
-        if (!found) {
-            vec3 absorption = transmittance_leaving(v.point, s.wi, INFINITE_DISTANCE);
-            vec3 radiance = environment_radiance(s.wi);
-            note_bounce(u, bounce, s.value / s.density, absorption, s.density, INFINITE_DISTANCE);
-            if (owned && radiance != vec3(0.0))
-                offer_found_light(tree, v, u, s, bounce, point_in_environment(s.wi), radiance, absorption, choices);
-            return;
+        Vertex next;
+        vec3 absorption;
+        vec3 emission;
+        LightPoint emitter;
+        if (found) {
+            surface = load_surface(hit, false);
+            next = make_vertex(surface, -s.wi, at, u + 1u, u < params.guidedBounces);
+            absorption = transmittance_between(v.point, s.wi, t, next.point);
+            emission = triangle_emission(hit.instance, hit.triangle, hit.barycentrics, next.point.front);
+            emitter = point_on_triangle(hit.instance, hit.triangle, hit.barycentrics);
+        } else {
+            t = INFINITE_DISTANCE;
+            absorption = transmittance_leaving(v.point, s.wi, t);
+            emission = environment_radiance(s.wi);
+            emitter = point_in_environment(s.wi);
         }
-        surface = load_surface(hit, false);
-        Vertex next = make_vertex(surface, -s.wi, at, u + 1u, u < params.guidedBounces);
-        vec3 absorption = transmittance_between(v.point, s.wi, t, next.point);
-        vec3 emission = triangle_emission(hit.instance, hit.triangle, hit.barycentrics, next.point.front);
         note_bounce(u, bounce, s.value / s.density, absorption, s.density, t);
         if (owned && emission != vec3(0.0))
-            offer_found_light(tree, v, u, s, bounce, point_on_triangle(hit.instance, hit.triangle, hit.barycentrics), emission,
-                              absorption, choices);
+            offer_found_light(tree, v, u, s, bounce, emitter, emission, absorption, choices);
+        if (!found)
+            return;
 
         bool beyond = tree.k > 0u;
         extend_path(tree, u, s);

@@ -53,11 +53,13 @@ float guided_pdf(Vertex v, vec3 w)
 /// Density of scatter over all rough lobes, 1/sr: within the smooth label one-sample MIS of BSDF and guide, sharp lobes never guided.
 float scatter_pdf(Vertex v, vec3 wi_local, vec3 wi)
 {
-    float unguided = bsdf_pdf(v.point.bsdf, v.point.wo, wi_local, LOBE_ALL);
+    ShadingPoint p = v.point;
+    vec3 pdfs = p.lobe_probabilities * bsdf_lobe_pdfs(p.bsdf, p.wo, wi_local, LOBE_ALL);
+    float unguided = pdfs.x + pdfs.y + pdfs.z;
     if (!v.guided)
         return unguided;
-    float smooth_pdf = bsdf_pdf(v.point.bsdf, v.point.wo, wi_local, label_lobes(v.point.bsdf, LABEL_SMOOTH));
-    float guided = label_probability(v.point.bsdf, v.point.wo, LABEL_SMOOTH) * guided_pdf(v, wi);
+    float smooth_pdf = sum_over_lobes(pdfs, label_lobes(p.bsdf, LABEL_SMOOTH));
+    float guided = label_probability(p.bsdf, p.lobe_probabilities, LABEL_SMOOTH) * guided_pdf(v, wi);
     return unguided + (1.0 - v.alpha) * (guided - smooth_pdf);
 }
 
@@ -67,8 +69,8 @@ BsdfSample scatter(Vertex v, RandomKey key, uint bounce)
     Bsdf bsdf = v.point.bsdf;
     vec4 numbers = random4(key, bounce, RANDOM_DIRECTION);
     if (!v.guided)
-        return bsdf_sample(bsdf, v.point.wo, numbers.z, numbers.xy);
-    uint lobe = bsdf_select_lobe(bsdf, v.point.wo, LOBE_ALL, numbers.z);
+        return bsdf_sample(bsdf, v.point.lobe_probabilities, v.point.wo, numbers.z, numbers.xy);
+    uint lobe = bsdf_select_lobe(v.point.lobe_probabilities, LOBE_ALL, numbers.z);
     BsdfSample s;
     if (label_of_lobe(bsdf, lobe) == LABEL_SMOOTH && random1(key, bounce, RANDOM_TECHNIQUE) >= v.alpha) {
         s = no_bsdf_sample(lobe);
@@ -76,11 +78,11 @@ BsdfSample scatter(Vertex v, RandomKey key, uint bounce)
         if (s.wi == vec3(0.0))
             return s;
     } else {
-        s = bsdf_sample_lobe(bsdf, v.point.wo, lobe, numbers.xy);
+        s = bsdf_draw_lobe(bsdf, v.point.wo, lobe, numbers.xy);
         if (s.pdf <= 0.0)
             return s;
         if (s.delta) {
-            s.pdf = bsdf_lobe_probability(bsdf, v.point.wo, lobe);
+            s.pdf = probability_of_lobe(v.point.lobe_probabilities, lobe);
             s.weight /= s.pdf;
             return s;
         }

@@ -87,21 +87,15 @@ Domain load_domain(Hit hit, bool previous)
     return Domain(point, ray_end(today), previous);
 }
 
-/// The target of a domain: p^(y) V(y). Of the frame before, no acceleration structure is left: the ray runs between the
-/// places where both ends stand today, so that neither hides behind itself.
-float evaluate_target(Domain d, LightPoint y)
-{
-    float target = luminance(direct_contribution(d.point, edge_to_light(y, d.point.position, d.previous)));
-    return target > 0.0 && is_free(shadow_ray_to_light(d.today, y)) ? target : 0.0;
-}
-
-/// The target in a participant's domain.
+/// The target in a participant's domain: p^(y) V(y). Of the frame before, no acceleration structure is left: the ray runs
+/// between the places where both ends stand today, so that neither hides behind itself.
 float target_at(uint participant, LightPoint y)
 {
     Domain d = merge.centre;
     if (participant != CENTRE)
         d = load_domain(primary_hit(merge.surfaces, pixel_of(participant)), merge.previous);
-    return evaluate_target(d, y);
+    float target = luminance(direct_contribution(d.point, edge_to_light(y, d.point.position, d.previous)));
+    return target > 0.0 && is_free(shadow_ray_to_light(d.today, y)) ? target : 0.0;
 }
 
 /// Pairwise MIS: a neighbour's share of a point against the centre alone, by the targets in the domains of both.

@@ -63,13 +63,14 @@ void main()
 
     if (is_broken(bsdf_eval(b, wo, wi, LOBE_ALL)))
         atomicAdd(found.f.brokenValues, 1u);
-    vec2 pdfs = vec2(bsdf_pdf(b, wo, wi, LOBE_ALL), label_pdf(b, wo, wi, LABEL_SMOOTH));
-    if (is_broken(vec3(pdfs, bsdf_lobe_probability(b, wo, LOBE_REFLECT))))
+    vec3 probabilities = bsdf_lobe_probabilities(b, wo);
+    vec2 pdfs = vec2(bsdf_pdf(b, probabilities, wo, wi, LOBE_ALL), label_pdf(b, probabilities, wo, wi, LABEL_SMOOTH));
+    if (is_broken(vec3(pdfs, 0.0)) || is_broken(probabilities))
         atomicAdd(found.f.brokenPdfs, 1u);
     vec4 u = random4(key, 0u, 6u);
     u = mix(u, vec4(16777215.0 / 16777216.0), lessThan(random4(key, 0u, 7u), vec4(0.1)));
     u = mix(u, vec4(0.0), lessThan(random4(key, 0u, 8u), vec4(0.1)));
-    BsdfSample s = bsdf_sample(b, wo, u.x, u.yz);
+    BsdfSample s = bsdf_sample(b, probabilities, wo, u.x, u.yz);
     if (is_broken(s.weight) || is_broken(vec3(s.pdf)) || (s.pdf > 0.0 && !(abs(length(s.wi) - 1.0) < 1e-4)))
         atomicAdd(found.f.brokenSamples, 1u);
     // Power, not radiance: what an interface does to radiance is no fault of the sampler.

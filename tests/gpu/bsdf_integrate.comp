@@ -39,6 +39,7 @@ void main()
     if (bin >= BINS)
         return;
     Bsdf b = test_bsdf();
+    vec3 probabilities = bsdf_lobe_probabilities(b, test.wo);
     vec2 sum = vec2(0.0);
     for (uint k = 0u; k < SUBDIVISIONS * SUBDIVISIONS; ++k) {
         vec2 inside = (vec2(k % SUBDIVISIONS, k / SUBDIVISIONS) + 0.5) / float(SUBDIVISIONS);
@@ -52,7 +53,7 @@ void main()
         if (jacobian <= 0.0)
             continue;
         bool whole = test.lobe == LOBE_ALL;
-        float pdf = whole ? bsdf_pdf(b, test.wo, wi, LOBE_ALL) : bsdf_lobe_pdf(b, test.wo, wi, test.lobe);
+        float pdf = whole ? bsdf_pdf(b, probabilities, test.wo, wi, LOBE_ALL) : bsdf_lobe_pdf(b, test.wo, wi, test.lobe);
         jacobian *= sphere ? 2.0 * PI * PI * r : 2.0 * PI;
         sum += jacobian * vec2(pdf, luminance(bsdf_eval(b, test.wo, wi, test.lobe)) * abs(wi.z));
     }

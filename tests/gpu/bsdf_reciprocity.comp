@@ -26,7 +26,7 @@ void main()
     BsdfParameters p = test_parameters();
     Bsdf b = make_bsdf(p);
     u = random4(key, 0u, RANDOM_DIRECTION);
-    BsdfSample s = bsdf_sample(b, wo, u.z, u.xy);
+    BsdfSample s = bsdf_sample(b, bsdf_lobe_probabilities(b, wo), wo, u.z, u.xy);
     if (s.pdf <= 0.0 || s.delta || abs(s.wi.z) < 1e-3)
         return;
     vec3 forward = bsdf_eval(b, wo, s.wi, LOBE_ALL);

@@ -14,6 +14,7 @@ Vertex test_vertex()
     v.point.local_frame = mat3(1.0);
     v.point.wo = params.wo;
     v.point.bsdf = make_bsdf(BsdfParameters(vec3(0.6), params.metallic, params.roughness, 1.0, vec3(1.0), 0.0, 1.5, 0.09, false, true));
+    v.point.lobe_probabilities = bsdf_lobe_probabilities(v.point.bsdf, v.point.wo);
     v.material = CELL_MATERIAL;
     v.guided = guide_lookup(params.guide, GuideQuery(v.point.position, CELL_NORMAL, params.wo, CELL_MATERIAL, uvec2(0u), 1u), v.guide);
     v.alpha = guide_alpha(v.guide, params.alpha);

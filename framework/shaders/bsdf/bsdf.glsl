@@ -21,6 +21,9 @@ BsdfSample no_bsdf_sample(uint lobe)
 }
 
 // ---- Rough lobes: value and density ----
+//
+// What several terms need is worked out once and without branches, and then selected: CPU devices do not branch around
+// what one pixel of a vector needs, and compilers merge equal terms only where no branch lies between.
 
 /// The half vector of refraction, on wo's side; zero when wi cannot be refracted from wo.
 vec3 refraction_half_vector(vec3 wo, vec3 wi, float eta)
@@ -30,103 +33,121 @@ vec3 refraction_half_vector(vec3 wo, vec3 wi, float eta)
     return dot(wo, h) > 0.0 && dot(wi, h) < 0.0 ? h : vec3(0.0);
 }
 
-/// f of rough refraction, in radiance: Walter 2007 eq. 21; the (n_i / n_o)^2 of a radiance that crosses the interface
-/// is in it.
-vec3 eval_refraction(Bsdf b, vec3 wo, vec3 wi)
+bool is_refracted(Bsdf b, vec3 wi)
 {
-    vec3 h = refraction_half_vector(wo, wi, b.eta);
-    if (h.z <= 0.0)
-        return vec3(0.0);
+    return b.solid && wi.z < 0.0;
+}
+
+/// The normal of the facets that scatter wo into wi, on wo's side: by refraction, or by reflection, mirrored to the far
+/// side by a thin sheet. Zero where there are none.
+vec3 facet_normal(Bsdf b, vec3 wo, vec3 wi)
+{
+    vec3 reflecting = normalize(wo + vec3(wi.xy, abs(wi.z)));
+    vec3 refracting = refraction_half_vector(wo, wi, b.eta);
+    return is_refracted(b, wi) ? refracting : reflecting;
+}
+
+/// f of the diffuse lobe for wi above the surface.
+vec3 eval_diffuse(Bsdf b, vec3 wo, vec3 wi)
+{
+    vec3 f = b.diffuse * INV_PI * coat_passage(b, wo.z) * coat_passage(b, wi.z);
+    return wi.z > 0.0 ? f : vec3(0.0);
+}
+
+/// f of the facets on wi's side: of REFLECT above the surface, of TRANSMIT below it. Refraction is in radiance, Walter
+/// 2007 eq. 21; the (n_i / n_o)^2 of a radiance that crosses the interface is in it.
+vec3 eval_facets(Bsdf b, vec3 wo, vec3 wi)
+{
+    vec3 h = facet_normal(b, wo, wi);
     float o = dot(wo, h);
     float i = dot(wi, h);
+    float shape = ggx_d(h, b.alpha) * ggx_visibility(wo.z, abs(wi.z), b.alpha);
     float denominator = o + b.eta * i;
-    float shape = ggx_d(h, b.alpha) * ggx_visibility_across(wo.z, -wi.z, b.alpha);
-    return transmit_fresnel(b, o) * (shape * o * -i / (denominator * denominator));
+    // 4: G2 across the interface has no 1/4 (Mitsuba and pbrt-v4: 1 / (1 + Lambda_o + Lambda_i); the exact form is a Beta
+    // function, Heitz et al. 2016, a little smaller at grazing).
+    float refraction = 4.0 * shape * o * -i / (denominator * denominator);
+    vec3 reflected = reflect_fresnel(b, o);
+    vec3 transmitted = transmit_fresnel(b, o);
+    vec3 f = wi.z > 0.0 ? reflected * shape : transmitted * (b.solid ? refraction : shape);
+    return h.z > 0.0 ? f : vec3(0.0);
 }
 
-/// Density over wi: that of h times |dh / dwi| (Walter 2007 eq. 17).
-float pdf_refraction(Bsdf b, vec3 wo, vec3 wi)
+/// The rough lobes of `mask` that scatter between wo and wi at all, and so have a value and a density.
+uint scattering_lobes(Bsdf b, vec3 wo, vec3 wi, uint mask)
 {
-    vec3 h = refraction_half_vector(wo, wi, b.eta);
-    if (h.z <= 0.0)
-        return 0.0;
-    float i = dot(wi, h);
-    float denominator = dot(wo, h) + b.eta * i;
-    return pdf_ggx_vndf(wo, h, b.alpha) * b.eta * b.eta * -i / (denominator * denominator);
+    uint side = wi.z > 0.0 ? LOBE_DIFFUSE | LOBE_REFLECT : LOBE_TRANSMIT;
+#if RESTIRPG_ENERGY_COMPENSATION
+    side |= LOBE_DIFFUSE;  // scatters to both sides
+#endif
+    return wo.z > 0.0 && wi.z != 0.0 ? bsdf_rough_lobes(b, mask) & side : 0u;
 }
 
-/// D G / (4 cos_o cos_i) of a reflection; `h` receives the half vector.
-float eval_reflection(Bsdf b, vec3 wo, vec3 wi, out vec3 h)
-{
-    h = normalize(wo + wi);
-    return ggx_d(h, b.alpha) * ggx_visibility(wo.z, wi.z, b.alpha);
-}
+/// f(wo, wi) of the rough lobes, without the cosine, 1/sr. Of REFLECT and TRANSMIT only one scatters to wi's side.
+struct LobeValues {
+    vec3 diffuse;
+    vec3 facets;
+};
 
-float pdf_reflection(Bsdf b, vec3 wo, vec3 wi)
+LobeValues bsdf_lobe_values(Bsdf b, vec3 wo, vec3 wi, uint mask)
 {
-    vec3 h = normalize(wo + wi);
-    return 0.25 * ggx_g1_over_cosine(wo.z, b.alpha) * ggx_d(h, b.alpha);
+    uint lobes = scattering_lobes(b, wo, wi, mask);
+    vec3 diffuse = eval_diffuse(b, wo, wi);
+#if RESTIRPG_ENERGY_COMPENSATION
+    diffuse += eval_many(b, wo, wi);
+#endif
+    vec3 facets = eval_facets(b, wo, wi);
+    return LobeValues((lobes & LOBE_DIFFUSE) != 0u ? diffuse : vec3(0.0), (lobes & ~LOBE_DIFFUSE) != 0u ? facets : vec3(0.0));
 }
 
 /// f(wo, wi) of the rough lobes in `mask`, without the cosine, 1/sr. Delta lobes are 0 here.
 vec3 bsdf_eval(Bsdf b, vec3 wo, vec3 wi, uint mask)
 {
-    uint lobes = bsdf_rough_lobes(b, mask);
-    vec3 f = vec3(0.0);
-    vec3 h;
-    if (wo.z <= 0.0 || wi.z == 0.0)
-        return f;
-    if (wi.z > 0.0) {
-        if ((lobes & LOBE_DIFFUSE) != 0u)
-            f += b.diffuse * INV_PI * coat_passage(b, wo.z) * coat_passage(b, wi.z);
-        if ((lobes & LOBE_REFLECT) != 0u) {
-            float shape = eval_reflection(b, wo, wi, h);
-            f += reflect_fresnel(b, dot(wo, h)) * shape;
-        }
-    } else if ((lobes & LOBE_TRANSMIT) != 0u) {
-        if (b.solid) {
-            f += eval_refraction(b, wo, wi);
-        } else {
-            float shape = eval_reflection(b, wo, vec3(wi.xy, -wi.z), h);
-            f += transmit_fresnel(b, dot(wo, h)) * shape;
-        }
-    }
+    LobeValues f = bsdf_lobe_values(b, wo, wi, mask);
+    return f.diffuse + f.facets;
+}
+
+float pdf_diffuse(Bsdf b, vec3 wo, vec3 wi)
+{
 #if RESTIRPG_ENERGY_COMPENSATION
-    if ((lobes & LOBE_DIFFUSE) != 0u)
-        f += eval_many(b, wo, wi);
+    float across = across_probability(b, wo);
+    return pdf_cosine_hemisphere(abs(wi.z)) * (wi.z < 0.0 ? across : 1.0 - across);
+#else
+    return pdf_cosine_hemisphere(wi.z);
 #endif
-    return f;
+}
+
+/// Density of REFLECT above the surface, of TRANSMIT below it. That of h times |dh / dwi| (refraction: Walter 2007
+/// eq. 17).
+float pdf_facets(Bsdf b, vec3 wo, vec3 wi)
+{
+    vec3 h = facet_normal(b, wo, wi);
+    float i = dot(wi, h);
+    float denominator = dot(wo, h) + b.eta * i;
+    float refraction = pdf_ggx_vndf(wo, h, b.alpha) * b.eta * b.eta * -i / (denominator * denominator);
+    float reflection = 0.25 * ggx_g1_over_cosine(wo.z, b.alpha) * ggx_d(h, b.alpha);
+    float pdf = is_refracted(b, wi) ? refraction : reflection;
+    return h.z > 0.0 ? pdf : 0.0;
+}
+
+/// Densities over wi of the rough lobes in `mask`, each drawn alone: of DIFFUSE, REFLECT, TRANSMIT, 1/sr.
+vec3 bsdf_lobe_pdfs(Bsdf b, vec3 wo, vec3 wi, uint mask)
+{
+    bvec3 lobes = has_lobes(scattering_lobes(b, wo, wi, mask));
+    float facets = pdf_facets(b, wo, wi);
+    return mix(vec3(0.0), vec3(pdf_diffuse(b, wo, wi), facets, facets), lobes);
 }
 
 /// Density of bsdf_sample_lobe over wi for one rough lobe, 1/sr.
 float bsdf_lobe_pdf(Bsdf b, vec3 wo, vec3 wi, uint lobe)
 {
-    bool crosses = wi.z < 0.0;
-    if (wo.z <= 0.0 || wi.z == 0.0 || bsdf_rough_lobes(b, lobe) == 0u)
-        return 0.0;
-#if RESTIRPG_ENERGY_COMPENSATION
-    if (lobe == LOBE_DIFFUSE) {
-        float across = across_probability(b, wo);
-        return pdf_cosine_hemisphere(abs(wi.z)) * (crosses ? across : 1.0 - across);
-    }
-#endif
-    if (crosses != (lobe == LOBE_TRANSMIT))
-        return 0.0;
-    if (lobe == LOBE_DIFFUSE)
-        return pdf_cosine_hemisphere(wi.z);
-    if (lobe == LOBE_REFLECT)
-        return pdf_reflection(b, wo, wi);
-    return b.solid ? pdf_refraction(b, wo, wi) : pdf_reflection(b, wo, vec3(wi.xy, -wi.z));
+    vec3 pdfs = bsdf_lobe_pdfs(b, wo, wi, lobe);
+    return pdfs.x + pdfs.y + pdfs.z;
 }
 
-/// Sum over the rough lobes in `mask` of P(lobe | wo) pdf_lobe(wi), 1/sr.
-float bsdf_pdf(Bsdf b, vec3 wo, vec3 wi, uint mask)
+/// Sum over the rough lobes in `mask` of P(lobe | wo) pdf_lobe(wi), 1/sr. `probabilities`: bsdf_lobe_probabilities.
+float bsdf_pdf(Bsdf b, vec3 probabilities, vec3 wo, vec3 wi, uint mask)
 {
-    if (wo.z <= 0.0)
-        return 0.0;
-    vec3 p = bsdf_lobe_probabilities(b, wo);
-    return dot(p, vec3(bsdf_lobe_pdf(b, wo, wi, LOBE_DIFFUSE & mask), bsdf_lobe_pdf(b, wo, wi, LOBE_REFLECT & mask),
-                       bsdf_lobe_pdf(b, wo, wi, LOBE_TRANSMIT & mask)));
+    return dot(probabilities, bsdf_lobe_pdfs(b, wo, wi, mask));
 }
 
 // ---- Sampling ----
@@ -161,9 +182,9 @@ vec3 sample_diffuse(Bsdf b, vec3 wo, vec2 u)
     return sample_cosine_hemisphere(u);
 }
 
-/// A direction of one lobe. Rough: pdf is that lobe's own density and weight its f |cos| / pdf. Delta: pdf 1, weight
-/// its throughput.
-BsdfSample bsdf_sample_lobe(Bsdf b, vec3 wo, uint lobe, vec2 u)
+/// A direction of one lobe. Rough: pdf is that lobe's own density, and there is no weight. Delta: pdf 1, weight its
+/// throughput.
+BsdfSample bsdf_draw_lobe(Bsdf b, vec3 wo, uint lobe, vec2 u)
 {
     if (wo.z <= 0.0 || (b.lobes & lobe) == 0u)
         return no_bsdf_sample(lobe);
@@ -185,15 +206,24 @@ BsdfSample bsdf_sample_lobe(Bsdf b, vec3 wo, uint lobe, vec2 u)
         }
     }
     s.pdf = bsdf_lobe_pdf(b, wo, s.wi, lobe);
-    s.weight = s.pdf > 0.0 ? bsdf_eval(b, wo, s.wi, lobe) * (abs(s.wi.z) / s.pdf) : vec3(0.0);
+    return s;
+}
+
+/// The same with the weight of a rough lobe's draw, f |cos| / pdf.
+BsdfSample bsdf_sample_lobe(Bsdf b, vec3 wo, uint lobe, vec2 u)
+{
+    BsdfSample s = bsdf_draw_lobe(b, wo, lobe, u);
+    vec3 f = bsdf_eval(b, wo, s.wi, lobe);
+    if (!s.delta)
+        s.weight = s.pdf > 0.0 ? f * (abs(s.wi.z) / s.pdf) : vec3(0.0);
     return s;
 }
 
 /// The lobe that u in [0, 1) selects among those in `mask`, with probabilities P(lobe | wo) renormalised; 0 when there
 /// is none.
-uint bsdf_select_lobe(Bsdf b, vec3 wo, uint mask, float u)
+uint bsdf_select_lobe(vec3 probabilities, uint mask, float u)
 {
-    vec3 p = bsdf_lobe_probabilities(b, wo) * lobe_flags(mask);
+    vec3 p = probabilities * vec3(has_lobes(mask));
     float at = u * (p.x + p.y + p.z);
     if (at < p.x)
         return LOBE_DIFFUSE;
@@ -204,18 +234,18 @@ uint bsdf_select_lobe(Bsdf b, vec3 wo, uint mask, float u)
 
 /// One direction of the whole BSDF. Rough: pdf is bsdf_pdf over all lobes and weight the whole f |cos| / pdf. Delta:
 /// pdf is P(lobe | wo), weight the lobe's throughput over it.
-BsdfSample bsdf_sample(Bsdf b, vec3 wo, float u_lobe, vec2 u)
+BsdfSample bsdf_sample(Bsdf b, vec3 probabilities, vec3 wo, float u_lobe, vec2 u)
 {
-    uint lobe = bsdf_select_lobe(b, wo, LOBE_ALL, u_lobe);
-    BsdfSample s = bsdf_sample_lobe(b, wo, lobe, u);
+    uint lobe = bsdf_select_lobe(probabilities, LOBE_ALL, u_lobe);
+    BsdfSample s = bsdf_draw_lobe(b, wo, lobe, u);
     if (s.pdf <= 0.0)
         return s;
     if (s.delta) {
-        s.pdf = bsdf_lobe_probability(b, wo, lobe);
+        s.pdf = probability_of_lobe(probabilities, lobe);
         s.weight /= s.pdf;
         return s;
     }
-    s.pdf = bsdf_pdf(b, wo, s.wi, LOBE_ALL);
+    s.pdf = bsdf_pdf(b, probabilities, wo, s.wi, LOBE_ALL);
     s.weight = bsdf_eval(b, wo, s.wi, LOBE_ALL) * (abs(s.wi.z) / s.pdf);
     return s;
 }

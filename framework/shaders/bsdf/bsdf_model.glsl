@@ -94,9 +94,8 @@ struct Bsdf {
 /// How far from F0 to F90 the dielectric interface is at this cosine: exact Fresnel, normalised.
 float coat_position(Bsdf b, float cosine)
 {
-    if (b.eta == 0.0)
-        return schlick_weight(cosine);
-    return (fresnel_dielectric(cosine, b.eta) - b.f0) / max(1.0 - b.f0, 1e-6);
+    float exact = (fresnel_dielectric(cosine, b.eta) - b.f0) / max(1.0 - b.f0, 1e-6);
+    return b.eta == 0.0 ? schlick_weight(cosine) : exact;
 }
 
 /// Reflectance of one dielectric interface.
@@ -122,9 +121,8 @@ vec3 reflect_fresnel(Bsdf b, float cosine)
 vec3 transmit_fresnel(Bsdf b, float cosine)
 {
     vec3 coat = coat_fresnel(b, cosine);
-    if (!b.solid)
-        return b.transmittance * (1.0 - pane_fresnel(coat));
-    return fresnel_dielectric(cosine, b.eta) < 1.0 ? b.transmittance * (1.0 - coat) : vec3(0.0);
+    vec3 refracted = fresnel_dielectric(cosine, b.eta) < 1.0 ? b.transmittance * (1.0 - coat) : vec3(0.0);
+    return b.solid ? refracted : b.transmittance * (1.0 - pane_fresnel(coat));
 }
 
 /// The cosine at which a smooth interface reflects what the rough one seen at `cosine` does: about the mean of wo.h
@@ -228,17 +226,23 @@ uint bsdf_rough_lobes(Bsdf b, uint mask)
 
 // ---- Probabilities of lobes ----
 
-/// 1 for DIFFUSE, REFLECT, TRANSMIT where `lobes` has them, else 0.
-vec3 lobe_flags(uint lobes)
+/// Does `lobes` have DIFFUSE, REFLECT, TRANSMIT?
+bvec3 has_lobes(uint lobes)
 {
-    return vec3(notEqual(uvec3(lobes) & uvec3(LOBE_DIFFUSE, LOBE_REFLECT, LOBE_TRANSMIT), uvec3(0u)));
+    return notEqual(uvec3(lobes) & uvec3(LOBE_DIFFUSE, LOBE_REFLECT, LOBE_TRANSMIT), uvec3(0u));
+}
+
+/// Their sum over the lobes that `lobes` has.
+float sum_over_lobes(vec3 values, uint lobes)
+{
+    return dot(values, vec3(has_lobes(lobes)));
 }
 
 /// P(lobe | wo) of DIFFUSE, REFLECT, TRANSMIT: the luminance that each scatters, about. Exactly F and 1 - F for smooth
 /// clear glass. All zero where the surface absorbs everything.
 vec3 bsdf_lobe_probabilities(Bsdf b, vec3 wo)
 {
-    vec3 rough = lobe_flags(bsdf_rough_lobes(b, LOBE_ALL));
+    vec3 rough = vec3(has_lobes(bsdf_rough_lobes(b, LOBE_ALL)));
     float facet = coat_cosine(wo.z, b.alpha);
     vec3 weight = vec3(luminance(b.diffuse * (1.0 - coat_fresnel(b, facet))), luminance(reflect_fresnel(b, facet)),
                        luminance(transmit_fresnel(b, facet)));
@@ -246,17 +250,16 @@ vec3 bsdf_lobe_probabilities(Bsdf b, vec3 wo)
     vec2 many = many_energy(b, wo);
     weight.x += many.x + many.y;
 #endif
-    weight *= lobe_flags(b.lobes);
+    weight *= vec3(has_lobes(b.lobes));
     float sum = weight.x + weight.y + weight.z;
     weight = max(weight, rough * (sum > 0.0 ? MIN_LOBE_PROBABILITY * sum : 1.0));
     return weight / max(weight.x + weight.y + weight.z, 1e-30);
 }
 
-/// P(lobe | wo) of one LOBE_*.
-float bsdf_lobe_probability(Bsdf b, vec3 wo, uint lobe)
+/// One LOBE_*'s of them.
+float probability_of_lobe(vec3 probabilities, uint lobe)
 {
-    vec3 p = bsdf_lobe_probabilities(b, wo);
-    return lobe == LOBE_DIFFUSE ? p.x : lobe == LOBE_REFLECT ? p.y : p.z;
+    return lobe == LOBE_DIFFUSE ? probabilities.x : lobe == LOBE_REFLECT ? probabilities.y : probabilities.z;
 }
 
 #endif

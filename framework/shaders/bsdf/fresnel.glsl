@@ -7,12 +7,10 @@
 float fresnel_dielectric(float cosine, float eta)
 {
     float sin2_transmitted = (1.0 - cosine * cosine) / (eta * eta);
-    if (sin2_transmitted >= 1.0)
-        return 1.0;
     float cos_transmitted = sqrt(1.0 - sin2_transmitted);
     float parallel = (eta * cosine - cos_transmitted) / (eta * cosine + cos_transmitted);
     float perpendicular = (cosine - eta * cos_transmitted) / (cosine + eta * cos_transmitted);
-    return 0.5 * (parallel * parallel + perpendicular * perpendicular);
+    return sin2_transmitted >= 1.0 ? 1.0 : 0.5 * (parallel * parallel + perpendicular * perpendicular);
 }
 
 /// Reflectance at normal incidence.

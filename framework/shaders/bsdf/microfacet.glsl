@@ -34,13 +34,6 @@ float ggx_visibility(float cos_o, float cos_i, float alpha)
     return 0.5 / (cos_i * ggx_projected(cos_o, alpha) + cos_o * ggx_projected(cos_i, alpha));
 }
 
-/// G2(wo, wi) / (|cos_o| |cos_i|) across the interface, 1 / (1 + Lambda_o + Lambda_i) as pbrt-v4 has it; the exact form
-/// for transmission is a Beta function (Heitz et al. 2016), a little smaller at grazing.
-float ggx_visibility_across(float cos_o, float cos_i, float alpha)
-{
-    return 4.0 * ggx_visibility(cos_o, cos_i, alpha);
-}
-
 /// A normal visible from wo. Dupuy & Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
 vec3 sample_ggx_vndf(vec3 wo, float alpha, vec2 u)
 {

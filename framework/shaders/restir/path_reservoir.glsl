@@ -62,7 +62,7 @@ PathVertex record_bounce(ShadingPoint p, uint material, uint label, vec3 wi, vec
 {
     if (label != LABEL_SMOOTH)
         return no_path_vertex();
-    float density = label_pdf(p.bsdf, p.wo, to_local(p.local_frame, wi), label);
+    float density = label_pdf(p.bsdf, p.lobe_probabilities, p.wo, to_local(p.local_frame, wi), label);
     return make_path_vertex(p.position, p.normal, material, wi, luminance(value), density);
 }
 

@@ -24,10 +24,12 @@ PartialPath begin_path(ShadingPoint x1)
     return PartialPath(x1, vec3(1.0), 1.0, vec3(0.0), true, Hit(0u, 0u, vec2(0.0)));
 }
 
-/// A connection of the path to what it keeps.
+/// An edge that connects the path to what it keeps.
 struct Connection {
-    vec3 f;  ///< of the whole path
-    float geometry;  ///< of the new edge
+    vec3 wi;  ///< unit, from the vertex where the path stands
+    vec3 end;  ///< of the light its radiance; of a surface f |cos| of the kept direction
+    vec3 way;  ///< absorption along the edge, times what the path keeps beyond its end
+    float geometry;
     ShadowRay ray;
 };
 
@@ -46,24 +48,25 @@ bool replay_bounce(PathReservoir r, uint bounce, inout PartialPath path)
     if (lobes == 0u)
         return false;
     vec3 local;
-    vec3 value;
+    BsdfSample drawn = no_bsdf_sample(lobes);
     if (label == LABEL_SMOOTH) {
         if (bounce > PATH_PREFIX)
             return false;
         path.wi = unpack_direction(r.prefix[bounce - 1u]);
         local = to_local(p.local_frame, path.wi);
-        value = bsdf_eval(p.bsdf, p.wo, local, lobes) * abs(local.z);
     } else {
         RandomKey key = RandomKey(r.pixel, r.frame, frame.c.seed);
-        BsdfSample s = bsdf_sample_lobe(p.bsdf, p.wo, lobes, random2(key, bounce, RANDOM_DIRECTION));
+        drawn = bsdf_draw_lobe(p.bsdf, p.wo, lobes, random2(key, bounce, RANDOM_DIRECTION));
         // Between a delta and a rough lobe no measure is common: neither is the image of the other.
-        if (s.pdf <= 0.0 || s.delta != is_delta_bounce(r, bounce))
+        if (drawn.pdf <= 0.0 || drawn.delta != is_delta_bounce(r, bounce))
             return false;
-        local = s.wi;
+        local = drawn.wi;
         path.wi = to_world(p.local_frame, local);
-        value = s.weight * s.pdf;  // a delta's pdf is 1
-        path.sharp_pdf *= s.pdf;
+        path.sharp_pdf *= drawn.pdf;  // a delta's is 1
     }
+    vec3 value = bsdf_eval(p.bsdf, p.wo, local, lobes) * abs(local.z);
+    if (drawn.delta)
+        value = drawn.weight;
     path.f *= value;
     return value != vec3(0.0) && is_consistent(p, local, path.wi);
 }
@@ -111,18 +114,12 @@ bool end_replay(inout PathReservoir r, PartialPath path)
     return true;
 }
 
-/// Connect to the light point.
-bool connect_to_light(PathReservoir r, PartialPath path, out Connection c)
+/// Connect p to the light point.
+bool connect_to_light(PathReservoir r, ShadingPoint p, out Connection c)
 {
-    ShadingPoint p = path.point;
     LightEdge e = edge_to_light(anchored_light(r), p.position, false);
-    c = Connection(vec3(0.0), e.jacobian, shadow_ray_to_light(ray_end(p), e));
-    vec3 wi = to_local(p.local_frame, e.wi);
-    if (e.radiance == vec3(0.0) || e.jacobian <= 0.0 || !is_consistent(p, wi, e.wi))
-        return false;
-    uint lobes = label_lobes(p.bsdf, path_label(r.labels, path_edges(r) - 1u));
-    c.f = path.f * bsdf_eval(p.bsdf, p.wo, wi, lobes) * abs(wi.z) * e.radiance * edge_transmittance(p, e);
-    return c.f != vec3(0.0);
+    c = Connection(e.wi, e.radiance, edge_transmittance(p, e), e.jacobian, shadow_ray_to_light(ray_end(p), e));
+    return e.radiance != vec3(0.0) && e.jacobian > 0.0;
 }
 
 /// Where the edge from p to the surface point y starts: where a scattered ray does, so that a path which scattering found and one
@@ -132,29 +129,34 @@ vec3 connection_origin(ShadingPoint p, vec3 y)
     return leave_surface(ray_end(p), y - p.position);
 }
 
-/// Connect to the surface vertex x_k.
-bool connect_to_surface(PathReservoir r, PartialPath path, out Connection c)
+/// Connect p to the surface vertex x_k.
+bool connect_to_surface(PathReservoir r, ShadingPoint p, out Connection c)
 {
-    ShadingPoint p = path.point;
     Surface surface = load_surface(anchored_hit(r), false);
     vec3 side = side_towards(p, surface.position - p.position);
     vec3 d = surface.position - connection_origin(p, surface.position);
     float t = length(d);
     vec3 wi = d / max(t, 1e-30);
     ShadingPoint q = shade_surface(surface, -wi);
-    c = Connection(vec3(0.0), edge_geometry(q.normal, wi, t), shadow_ray(ray_end(p), ray_end(q)));
-    vec3 before = to_local(p.local_frame, wi);
     vec3 leaving = unpack_direction(r.direction);
     vec3 after = to_local(q.local_frame, leaving);
+    vec3 end = bsdf_eval(q.bsdf, q.wo, after, label_lobes(q.bsdf, LABEL_SMOOTH)) * abs(after.z);
+    c = Connection(wi, end, transmittance_between(p, wi, t, q) * r.suffix, edge_geometry(q.normal, wi, t), shadow_ray(ray_end(p), ray_end(q)));
     // No scattered ray comes back through the surface that it left, as an edge to a point of the same plane would.
-    if (dot(side, wi) <= 0.0 || !is_connectable(LABEL_SMOOTH, LABEL_SMOOTH, t))
-        return false;
-    if (!is_consistent(p, before, wi) || !is_consistent(q, after, leaving))
-        return false;
-    c.f = path.f * bsdf_eval(p.bsdf, p.wo, before, label_lobes(p.bsdf, LABEL_SMOOTH)) * abs(before.z);
-    c.f *= bsdf_eval(q.bsdf, q.wo, after, label_lobes(q.bsdf, LABEL_SMOOTH)) * abs(after.z);
-    c.f *= transmittance_between(p, wi, t, q) * r.suffix;
-    return c.f != vec3(0.0);
+    return dot(side, wi) > 0.0 && is_connectable(LABEL_SMOOTH, LABEL_SMOOTH, t) && is_consistent(q, after, leaving);
+}
+
+/// Reconnect the path, which stands at x_{k-1}, to x_k: a light or a surface.
+bool reconnect(inout PathReservoir r, PartialPath path, uint k)
+{
+    ShadingPoint p = path.point;
+    Connection c;
+    bool connected = k == path_edges(r) ? connect_to_light(r, p, c) : connect_to_surface(r, p, c);
+    vec3 local = to_local(p.local_frame, c.wi);
+    vec3 value = bsdf_eval(p.bsdf, p.wo, local, label_lobes(p.bsdf, path_label(r.labels, k - 1u))) * abs(local.z);
+    r.f = path.f * value * c.end * c.way;
+    r.geometry = c.geometry;
+    return connected && is_consistent(p, local, c.wi) && r.f != vec3(0.0) && is_free(c.ray);
 }
 
 /// How many bounces of a path its shift replays: all, or those before the one that reconnects.
@@ -174,17 +176,9 @@ bool shift_path(PathReservoir source, ShadingPoint x1, out PathReservoir shifted
     if (!replay(source, x1, replayed_bounces(source), path))
         return false;
     uint k = reconnection_index(source);
-    if (k == 0u) {
-        if (!end_replay(shifted, path))
-            return false;
-    } else {
-        Connection c;
-        bool connected = k == path_edges(source) ? connect_to_light(source, path, c) : connect_to_surface(source, path, c);
-        if (!connected || !is_free(c.ray))
-            return false;
-        shifted.f = c.f;
-        shifted.geometry = c.geometry;
-    }
+    bool ended = k > 0u ? reconnect(shifted, path, k) : end_replay(shifted, path);
+    if (!ended)
+        return false;
     shifted.sharpPdf = path.sharp_pdf;
     jacobian = source.sharpPdf / path.sharp_pdf * shifted.geometry / source.geometry;
     return luminance(shifted.f) > 0.0 && jacobian > 0.0 && !isinf(jacobian);

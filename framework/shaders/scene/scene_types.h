@@ -82,7 +82,8 @@ struct Material {
 };
 
 // Maps of a material by number (load_map of scene.glsl). Those before SCATTERING_MAPS change parameters of the BSDF.
-RESTIRPG_CONST MAP_BASE_COLOR = 0u, MAP_METALLIC_ROUGHNESS = 1u, MAP_SPECULAR = 2u, MAP_SPECULAR_COLOR = 3u, MAP_TRANSMISSION = 4u;
+RESTIRPG_CONST MAP_BASE_COLOR = 0u, MAP_METALLIC_ROUGHNESS = 1u, MAP_SPECULAR = 2u, MAP_SPECULAR_COLOR = 3u,
+               MAP_TRANSMISSION = 4u;
 RESTIRPG_CONST SCATTERING_MAPS = 5u;
 RESTIRPG_CONST MAP_NORMAL = 5u, MAP_EMISSIVE = 6u;
 
@@ -207,8 +208,8 @@ static_assert(sizeof(Instance) == INSTANCE_BYTES && sizeof(mat4x3) == POSE_BYTES
               sizeof(Material) == MATERIAL_BYTES && sizeof(TextureRef) == MAP_BYTES &&
               offsetof(Material, baseColorMap) == MAPS_AT_BYTE + MAP_BASE_COLOR * MAP_BYTES &&
               offsetof(Material, transmissionMap) == MAPS_AT_BYTE + MAP_TRANSMISSION * MAP_BYTES &&
-              offsetof(Material, emissiveMap) == MAPS_AT_BYTE + MAP_EMISSIVE * MAP_BYTES && sizeof(BvhNode) == BVH_NODE_BYTES &&
-              sizeof(BvhTriangle) == BVH_TRIANGLE_BYTES);
+              offsetof(Material, emissiveMap) == MAPS_AT_BYTE + MAP_EMISSIVE * MAP_BYTES &&
+              sizeof(BvhNode) == BVH_NODE_BYTES && sizeof(BvhTriangle) == BVH_TRIANGLE_BYTES);
 #endif
 
 /// Everything a kernel reads of the scene; one buffer, by address in FrameConstants.

@@ -76,6 +76,7 @@ struct ShadingPoint {
     mat3 local_frame;  ///< z: the shading normal, on wo's side
     vec3 wo;  ///< in local_frame
     Bsdf bsdf;
+    vec3 lobe_probabilities;  ///< bsdf_lobe_probabilities for wo
     vec3 base_color;
     vec3 absorption;  ///< sigma_a behind the surface, 1/m; zero unless its material is a solid's
     bool front;  ///< wo is on the side the winding faces
@@ -162,6 +163,7 @@ ShadingPoint shade_surface(Surface s, vec3 wo)
     p.wo = to_local(p.local_frame, wo);
     BsdfParameters parameters = evaluate_parameters(s, material, p.front);
     p.bsdf = make_bsdf(parameters);
+    p.lobe_probabilities = bsdf_lobe_probabilities(p.bsdf, p.wo);
     p.base_color = parameters.baseColor;
     p.absorption = material.absorption;
     return p;

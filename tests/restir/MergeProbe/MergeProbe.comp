@@ -7,24 +7,38 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { ReSTIRDIParameters params; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Vec2Array { vec2 at[]; };
 
-/// The target that the kernel of pixel j's own frame stores with a point that it holds.
-float stored_target(uint j, LightPoint y)
+/// The reservoir with which a participant would hold the point: the kernel of its own frame stores the target as its
+/// camera saw the surface.
+LightReservoir held_by(uint participant, LightPoint y)
 {
-    Surface today = load_surface(primary_hit(merge.surfaces, neighbour_pixel(j)), false);
-    Surface then = load_surface(primary_hit(merge.surfaces, neighbour_pixel(j)), merge.previous);
-    vec3 camera = merge.previous ? frame.c.previousCamera.position : frame.c.camera.position;
-    ShadingPoint point = shade_surface(then, normalize(camera - then.position));
-    return evaluate_target(Domain(point, ray_end(today), merge.previous), y);
+    LightReservoir r = merge.own;
+    Domain d = merge.centre;
+    if (participant != CENTRE) {
+        r = merge.reservoirs.at[pixel_of(participant)];
+        Hit hit = primary_hit(merge.surfaces, pixel_of(participant));
+        Surface today = load_surface(hit, false);
+        Surface then = load_surface(hit, merge.previous);
+        vec3 camera = merge.previous ? frame.c.previousCamera.position : frame.c.camera.position;
+        d = Domain(shade_surface(then, normalize(camera - then.position)), ray_end(today), merge.previous);
+    }
+    float unhidden = luminance(direct_contribution(d.point, edge_to_light(y, d.point.position, d.previous)));
+    r.point = y;
+    r.target = is_free(shadow_ray_to_light(d.today, y)) ? unhidden : 0.0;
+    return r;
 }
 
-/// Sum of the weights of the point that `holder` holds with the given target.
-float weight_sum(uint holder, LightPoint y, float target, float here)
+/// Sum of the weights of a point over all who could hold it; -1 where the centre cannot show it. The point's holder has
+/// stored its target.
+float weight_sum(uint holder, LightReservoir held)
 {
-    float sum = centre_weight(y, here);
-    for (uint j = 0u; j < merge.count; ++j) {
-        float there = j == holder ? target : stored_target(j, y);
-        if (there > 0.0)
-            sum += neighbour_weight(j, y, there, here);
+    float sum = 0.0;
+    for (uint i = 0u; i <= merge.count; ++i) {
+        LightReservoir r = i == holder ? held : held_by(i, held.point);
+        float here = r.target;
+        float weight = r.target > 0.0 ? mis_weight(i, r, here) : 0.0;
+        if (i == CENTRE && here <= 0.0)
+            return -1.0;
+        sum += weight;
     }
     return sum;
 }
@@ -35,13 +49,12 @@ vec2 probe()
 {
     vec2 result = vec2(0.0);
     for (uint i = 0u; i <= merge.count; ++i) {
-        uint holder = i < merge.count ? i : CENTRE;
         LightReservoir r = merge.own;
-        if (holder != CENTRE)
-            r = merge.reservoirs.at[neighbour_pixel(i)];
-        float here = r.ucw <= 0.0 ? 0.0 : holder == CENTRE ? r.target : target_at_centre(r.point);
-        if (here > 0.0) {
-            result.x = max(result.x, abs(weight_sum(holder, r.point, r.target, here) - 1.0));
+        if (i != CENTRE)
+            r = merge.reservoirs.at[pixel_of(i)];
+        float sum = r.ucw > 0.0 ? weight_sum(i, r) : -1.0;
+        if (sum >= 0.0) {
+            result.x = max(result.x, abs(sum - 1.0));
             result.y += 1.0;
         }
     }
