@@ -22,8 +22,8 @@ BsdfSample no_bsdf_sample(uint lobe)
 
 // ---- Rough lobes: value and density ----
 //
-// What several terms need is worked out once and without branches, and then selected: CPU devices do not branch around
-// what one pixel of a vector needs, and compilers merge equal terms only where no branch lies between.
+// What several terms need is worked out once, without branches, and then selected: the pixels of one vector take both
+// sides of a branch anyhow, and compilers merge equal terms only where no branch lies between.
 
 /// The half vector of refraction, on wo's side; zero when wi cannot be refracted from wo.
 vec3 refraction_half_vector(vec3 wo, vec3 wi, float eta)
