@@ -34,47 +34,42 @@ float scatter_pdf(ShadingPoint p, LightEdge e, float rough)
     return bsdf_pdf(p.bsdf, p.lobe_probabilities, p.wo, to_local(p.local_frame, e.wi), LOBE_ALL) / rough;
 }
 
-/// What the candidates come to: weighted reservoir sampling.
-struct Resampling {
-    LightReservoir kept;
-    float sum;  ///< of resampling weights
-};
-
-/// Candidate i.
-void consider(inout Resampling r, ShadingPoint p, float rough, LightPoint y, RandomKey key, uint i)
-{
-    LightEdge e = edge_to_light(y, p.position, false);
-    float target = luminance(direct_contribution(p, e));
-    if (target <= 0.0)
-        return;
-    // The balance heuristic over both techniques, each as often as it is drawn: a technique that fails counts all
-    // the same.
-    float pdf = float(params.candidates) * e.light_pdf +
-                float(params.bsdfCandidates) * scatter_pdf(p, e, rough) * e.jacobian;
-    float weight = target / pdf;
-    r.sum += weight;
-    if (random1(key, i, RANDOM_RESAMPLING) * r.sum < weight) {
-        r.kept.point = y;
-        r.kept.target = target;
-    }
-}
-
 LightReservoir resample_candidates(ShadingPoint p, RandomKey key)
 {
-    Resampling r = Resampling(LightReservoir(LightPoint(INVALID_INDEX, INVALID_INDEX, vec2(0.0)), 0.0, 1.0, 0.0), 0.0);
+    LightReservoir r;
+    r.point = LightPoint(INVALID_INDEX, INVALID_INDEX, vec2(0.0));
+    r.ucw = 0.0;
+    r.confidence = 1.0;
+    r.target = 0.0;
     uint lobes = bsdf_rough_lobes(p.bsdf, LOBE_ALL);
     if (lobes == 0u)
-        return r.kept;
+        return r;
     float rough = sum_over_lobes(p.lobe_probabilities, lobes);
-    LightPoint y;
-    for (uint i = 0u; i < params.candidates; ++i)
-        if (sample_light_point(random4(key, i, RANDOM_LIGHT), y))
-            consider(r, p, rough, y, key, i);
-    for (uint i = params.candidates; i < params.candidates + params.bsdfCandidates; ++i)
-        if (scatter_to_light(p, random4(key, i, RANDOM_DIRECTION), y))
-            consider(r, p, rough, y, key, i);
-    r.kept.ucw = r.sum > 0.0 ? r.sum / r.kept.target : 0.0;
-    return r.kept;
+
+    float sum = 0.0;
+    for (uint i = 0u; i < params.candidates + params.bsdfCandidates; ++i) {
+        LightPoint y;
+        bool found = i < params.candidates ? sample_light_point(random4(key, i, RANDOM_LIGHT), y)
+                                           : scatter_to_light(p, random4(key, i, RANDOM_DIRECTION), y);
+        if (!found)
+            continue;
+        LightEdge e = edge_to_light(y, p.position, false);
+        float target = luminance(direct_contribution(p, e));
+        if (target <= 0.0)
+            continue;
+        // The balance heuristic over both techniques, each as often as it is drawn: a technique that fails counts all
+        // the same.
+        float pdf = float(params.candidates) * e.light_pdf +
+                    float(params.bsdfCandidates) * scatter_pdf(p, e, rough) * e.jacobian;
+        float weight = target / pdf;
+        sum += weight;
+        if (random1(key, i, RANDOM_RESAMPLING) * sum < weight) {
+            r.point = y;
+            r.target = target;
+        }
+    }
+    r.ucw = sum > 0.0 ? sum / r.target : 0.0;
+    return r;
 }
 
 void main()

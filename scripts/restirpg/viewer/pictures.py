@@ -30,9 +30,11 @@ _HEAT = _heat_table()
 
 def radiance(image, exposure):
     """Linear Rec.709 (H, W, 3) or (H, W, 1) as 8-bit sRGB, `exposure` in stops; black where it is not finite."""
-    scaled = image * np.float32(_STEPS * 2.0**exposure)
-    np.nan_to_num(scaled, copy=False, nan=0, posinf=0, neginf=0)
-    np.clip(scaled, 0, _STEPS, out=scaled)
+    finite = np.isfinite(image)
+    if not finite.all():
+        image = np.where(finite, image, np.float32(0))
+    scaled = np.maximum(image * np.float32(_STEPS * 2.0**exposure), 0)
+    np.minimum(scaled, _STEPS, out=scaled)
     encoded = _SRGB[scaled.astype(np.uint16)]
     return encoded if encoded.shape[2] == 3 else np.repeat(encoded[..., :1], 3, axis=2)
 
