@@ -33,9 +33,10 @@ def radiance(image, exposure):
     finite = np.isfinite(image)
     if not finite.all():
         image = np.where(finite, image, np.float32(0))
-    scaled = np.maximum(image * np.float32(_STEPS * 2.0**exposure), 0)
+    scaled = image * np.float32(_STEPS * 2.0**exposure)
+    np.maximum(scaled, 0, out=scaled)
     np.minimum(scaled, _STEPS, out=scaled)
-    encoded = _SRGB[scaled.astype(np.uint16)]
+    encoded = _SRGB.take(scaled.astype(np.intp))
     return encoded if encoded.shape[2] == 3 else np.repeat(encoded[..., :1], 3, axis=2)
 
 
