@@ -171,6 +171,9 @@ def test_a_pixel_tells_what_it_sees(session):
     "message, words",
     [
         ({"do": "vanish"}, "no command 'vanish'"),
+        ({"do": ["show"]}, r"no command \['show'\]"),
+        ({"do": "show", "pane": 0, "port": ["image"]}, "no image port"),
+        ({"do": "show", "pane": 0, "port": {}}, "no image port"),
         ({"do": "orbit", "x": 1}, "missing a required argument: 'y'"),
         ({"do": "orbit", "x": float("nan"), "y": 0}, "no number"),
         ({"do": "pan", "x": "1", "y": 0}, "no number"),

@@ -188,12 +188,13 @@ COMMANDS = {name.removeprefix("do_"): act for name, act in list(globals().items(
 
 def run(session, message):
     """Do what a message says, whose "id" is not of the command."""
-    command = COMMANDS.get(message.get("do"))
+    name = message.get("do")
+    command = COMMANDS.get(name) if isinstance(name, str) else None
     if command is None:
-        raise UserError(f"there is no command {message.get('do')!r}")
-    arguments = {name: value for name, value in message.items() if name not in ("do", "id")}
+        raise UserError(f"there is no command {name!r}")
+    arguments = {key: value for key, value in message.items() if key not in ("do", "id")}
     try:
         inspect.signature(command).bind(session, **arguments)
     except TypeError as error:
-        raise UserError(f"{message['do']}: {error}") from None
+        raise UserError(f"{name}: {error}") from None
     command(session, **arguments)
