@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measure every file of ../shared/inputs and write benchmarks/results/inputs.md and inputs.csv.
+"""Measure every file of ../shared/inputs and write benchmarks/results/inputs: README.md and inputs.csv.
 
     PYTHONPATH=build/python:tests/python benchmarks/inputs_table.py
 
@@ -17,7 +17,7 @@ from restirpg.harness.report import commit
 
 ROOT = Path(__file__).resolve().parents[1]
 
-RESULTS = ROOT / "benchmarks" / "results"
+RESULTS = ROOT / "benchmarks" / "results" / "inputs"
 HEAD = """# The inputs of ../shared/inputs
 
 One row a file and setting: the value that a correct renderer gives and where it comes from, what
@@ -65,7 +65,7 @@ def main():
         lines.append("| " + " | ".join(cell.replace("|", " or ") for cell in line) + " |")
         print(*lines[-1:], flush=True)
     head = HEAD.format(commit=commit(), right=len(lines) - wrong, all=len(lines))
-    (RESULTS / "inputs.md").write_text(head + "\n".join(lines) + "\n")
+    (RESULTS / "README.md").write_text(head + "\n".join(lines) + "\n")
     with (RESULTS / "inputs.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("input", "quantity", "exact", "source", "before", "after", "verdict"))

@@ -1,7 +1,7 @@
 """ReSTIR PG with a memory: statistics of earlier frames count, by 0.9 a frame. Not in the paper, whose frames have
 enough samples.
 
-In a small image a cell sees few different paths a frame (benchmarks/results/restir_pg.md).
+In a small image a cell sees few different paths a frame (benchmarks/results/restir_pg).
 """
 
 from pipeline import pipeline

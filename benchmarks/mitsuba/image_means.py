@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Image means of scenes with their own materials, ours against Mitsuba's, seed by seed; the table behind
-results/mitsuba.md.
+results/mitsuba.
 
     image_means.py SCENE.glb ... --mitsuba-python VENV/bin/python --csv FILE [--only ours|mitsuba|literal] [--seeds 1-8]
                    [--frames 256] [--samples 256] [--size 64x36] [--bounces 4]

@@ -11,7 +11,7 @@
 namespace restirpg {
 
 /// Everything that stands still is one hierarchy in world space: rays enter one tree instead of many that overlap
-/// (benchmarks/results/tracing_rates.md). Instances that share a mesh keep its own hierarchy where copies would take
+/// (benchmarks/results/tracing_rates). Instances that share a mesh keep its own hierarchy where copies would take
 /// much memory. An instance that moves for the first time leaves the batch, which is built again without it. Hits are
 /// the same either way.
 class SoftwareTracing {

@@ -166,7 +166,7 @@ TEST_F(Compensated, ExchangingTheDirectionsChangesNothing)
         EXPECT_GT(reciprocityError(compensated(name), ERROR_SWAP), 1e-2) << name;
 }
 
-/// Prints the table of benchmarks/results/ggx_energy_loss.md; run it with --gtest_also_run_disabled_tests.
+/// Prints the table of benchmarks/results/ggx_energy_loss; run it with --gtest_also_run_disabled_tests.
 TEST_F(Compensated, DISABLED_Table)
 {
     std::printf(

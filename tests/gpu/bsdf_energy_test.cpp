@@ -81,7 +81,7 @@ TEST(BsdfEnergy, TheRoughestWhiteMetalReflectsItsClosedForm)
     EXPECT_NEAR(result.mean.x, 1 - std::log(2.0), 4 * result.standardError.x);
 }
 
-/// Prints the table of benchmarks/results/ggx_energy_loss.md; run it with --gtest_also_run_disabled_tests.
+/// Prints the table of benchmarks/results/ggx_energy_loss; run it with --gtest_also_run_disabled_tests.
 TEST(BsdfEnergy, DISABLED_LossTable)
 {
     std::printf(

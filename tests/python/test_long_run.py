@@ -2,7 +2,7 @@
 twice.
 
 100 frames, or as many as the environment variable RESTIRPG_LONG_RUN says (1,000 are recorded in
-benchmarks/results/restir_pt.md).
+benchmarks/results/restir_pt).
 """
 
 import hashlib

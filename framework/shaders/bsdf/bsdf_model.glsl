@@ -10,7 +10,7 @@
 // albedo of 1.9 at grazing; the form above (Shirley et al. 1997, Kelemen & Szirmay-Kalos 2001) is reciprocal, conserves
 // energy, and under a smooth coat a white base reflects exactly 1. Thin transmission: a pane has two faces, and the
 // light between them sums to a reflectance 2F / (1 + F), as in Mitsuba's `thindielectric`; glTF counts one face. Single
-// scattering only: rough surfaces lose energy (benchmarks/results/ggx_energy_loss.md), reciprocity is exact. With
+// scattering only: rough surfaces lose energy (benchmarks/results/ggx_energy_loss), reciprocity is exact. With
 // RESTIRPG_ENERGY_COMPENSATION what they lose comes back (multiple_scattering.glsl). The diffuse part of a
 // half-transparent solid is its outer paint: from inside it absorbs.
 #ifndef RESTIRPG_BSDF_MODEL_GLSL

@@ -173,7 +173,7 @@ def run(paper):
         "otherwise; they mean nothing if other work shared the machine. Guided sampling is what the tracing "
         "of paths takes more than without a guide; to collect is what reuse takes more, for it writes the "
         "vertices. Rays are not counted here: a frame of ReSTIR PT casts 15 to 31 a pixel, a path tracer's 7 "
-        "to 15 (benchmarks/results/restir_pt_cost.md)."
+        "to 15 (benchmarks/results/restir_pt_cost)."
     )
     listed = [times_table(results), shares_table(results), memory_table(results), guide_table(paper, results)]
     return Section("Cost", text, [Picture("cost", "GPU time of a frame by pass.", drawing(results))], listed)

@@ -16,7 +16,7 @@ from restirpg.harness.paper import (
     table_1,
 )
 
-#: Microseconds a pixel and frame on two cores (lavapipe, benchmarks/results/restir_pt_cost.md), for --list
+#: Microseconds a pixel and frame on two cores (lavapipe, benchmarks/results/restir_pt_cost), for --list
 #: alone.
 REUSE_COST, PATH_COST = 18.0, 4.5
 #: Seconds to make a renderer, kernels included.

@@ -14,7 +14,7 @@ from restirpg.harness.paper.paper import METHODS, SHOWN, Study, name_of
 from matplotlib.figure import Figure  # isort: skip
 
 # A film's. At 8, a whole loop of the embedded scenes in 32 frames, what reuse over frames keeps of light
-# that has gone decides everything: 190 to 525% for all methods alike (benchmarks/results/paper_quick.md).
+# that has gone decides everything: 190 to 525% for all methods alike (benchmarks/results/paper_quick).
 FPS = 24.0
 CUT_SECONDS = 2.0  # of a run of door_ajar_light_cut, whose lamp jumps after one
 CIRCLE = 0.02  # m, radius of the circle that the camera goes round
@@ -189,7 +189,7 @@ def figure_7(paper):
         f"A glowing box wanders about the back room, played at {FPS:g} frames a second; each measured frame is "
         "compared with a reference of its own time. In door_ajar_light_cut the box jumps in the middle of the run. ± one "
         "standard error over seeds, ReSTIR PT is biased while things move "
-        "(benchmarks/results/restir_pt.md)."
+        "(benchmarks/results/restir_pt)."
     )
     return section(paper, "figure_7", "Figure 7: moving light", text, studies_7(paper))
 
