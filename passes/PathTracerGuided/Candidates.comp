@@ -162,7 +162,7 @@ Bounce scatter_labelled(Vertex v, RandomKey key, uint u)
         if (s.wi == vec3(0.0))
             return s;
     } else {
-        BsdfSample drawn = bsdf_draw_lobe(p.bsdf, p.wo, lobe, numbers.xy);
+        BsdfSample drawn = bsdf_sample_lobe(p.bsdf, p.wo, lobe, numbers.xy);
         if (drawn.pdf <= 0.0)
             return s;
         s.local = drawn.wi;

@@ -78,7 +78,7 @@ BsdfSample scatter(Vertex v, RandomKey key, uint bounce)
         if (s.wi == vec3(0.0))
             return s;
     } else {
-        s = bsdf_draw_lobe(bsdf, v.point.wo, lobe, numbers.xy);
+        s = bsdf_sample_lobe(bsdf, v.point.wo, lobe, numbers.xy);
         if (s.pdf <= 0.0)
             return s;
         if (s.delta) {

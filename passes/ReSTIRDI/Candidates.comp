@@ -12,7 +12,7 @@ layout(push_constant, scalar) uniform Push { ReSTIRDIParameters params; };
 bool scatter_to_light(ShadingPoint p, vec4 u, out LightPoint point)
 {
     uint lobe = bsdf_select_lobe(p.lobe_probabilities, bsdf_rough_lobes(p.bsdf, LOBE_ALL), u.z);
-    BsdfSample s = bsdf_draw_lobe(p.bsdf, p.wo, lobe, u.xy);
+    BsdfSample s = bsdf_sample_lobe(p.bsdf, p.wo, lobe, u.xy);
     vec3 wi = to_world(p.local_frame, s.wi);
     if (s.pdf <= 0.0 || !is_consistent(p, s.wi, wi))
         return false;

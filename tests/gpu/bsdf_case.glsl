@@ -40,7 +40,12 @@ BsdfSample draw(Bsdf b, RandomKey key, uint index)
         b.alpha *= 1.05;
     if (test.error == ERROR_LOBE)
         u.z *= 0.9;
-    return test.lobe == LOBE_ALL ? bsdf_sample(b, bsdf_lobe_probabilities(b, test.wo), test.wo, u.z, u.xy) : bsdf_sample_lobe(b, test.wo, test.lobe, u.xy);
+    if (test.lobe == LOBE_ALL)
+        return bsdf_sample(b, bsdf_lobe_probabilities(b, test.wo), test.wo, u.z, u.xy);
+    BsdfSample s = bsdf_sample_lobe(b, test.wo, test.lobe, u.xy);
+    if (!s.delta && s.pdf > 0.0)
+        s.weight = bsdf_eval(b, test.wo, s.wi, test.lobe) * (abs(s.wi.z) / s.pdf);
+    return s;
 }
 
 /// Mirrors the far side up for a thin sheet's transmission, which is a reflection continued.

@@ -9,7 +9,7 @@
 /// A direction drawn from a BSDF. `pdf` = 0: the draw carries nothing, the path ends.
 struct BsdfSample {
     vec3 wi;
-    vec3 weight;  ///< f |cos| / pdf
+    vec3 weight;  ///< f |cos| / pdf; bsdf_sample_lobe leaves that of rough lobes at 0
     float pdf;  ///< per solid angle; of a delta lobe: the probability of having chosen it
     uint lobe;  ///< LOBE_*
     bool delta;
@@ -184,7 +184,7 @@ vec3 sample_diffuse(Bsdf b, vec3 wo, vec2 u)
 
 /// A direction of one lobe. Rough: pdf is that lobe's own density, and there is no weight. Delta: pdf 1, weight its
 /// throughput.
-BsdfSample bsdf_draw_lobe(Bsdf b, vec3 wo, uint lobe, vec2 u)
+BsdfSample bsdf_sample_lobe(Bsdf b, vec3 wo, uint lobe, vec2 u)
 {
     if (wo.z <= 0.0 || (b.lobes & lobe) == 0u)
         return no_bsdf_sample(lobe);
@@ -209,16 +209,6 @@ BsdfSample bsdf_draw_lobe(Bsdf b, vec3 wo, uint lobe, vec2 u)
     return s;
 }
 
-/// The same with the weight of a rough lobe's draw, f |cos| / pdf.
-BsdfSample bsdf_sample_lobe(Bsdf b, vec3 wo, uint lobe, vec2 u)
-{
-    BsdfSample s = bsdf_draw_lobe(b, wo, lobe, u);
-    vec3 f = bsdf_eval(b, wo, s.wi, lobe);
-    if (!s.delta)
-        s.weight = s.pdf > 0.0 ? f * (abs(s.wi.z) / s.pdf) : vec3(0.0);
-    return s;
-}
-
 /// The lobe that u in [0, 1) selects among those in `mask`, with probabilities P(lobe | wo) renormalised; 0 when there
 /// is none.
 uint bsdf_select_lobe(vec3 probabilities, uint mask, float u)
@@ -237,7 +227,7 @@ uint bsdf_select_lobe(vec3 probabilities, uint mask, float u)
 BsdfSample bsdf_sample(Bsdf b, vec3 probabilities, vec3 wo, float u_lobe, vec2 u)
 {
     uint lobe = bsdf_select_lobe(probabilities, LOBE_ALL, u_lobe);
-    BsdfSample s = bsdf_draw_lobe(b, wo, lobe, u);
+    BsdfSample s = bsdf_sample_lobe(b, wo, lobe, u);
     if (s.pdf <= 0.0)
         return s;
     if (s.delta) {

@@ -56,7 +56,7 @@ bool replay_bounce(PathReservoir r, uint bounce, inout PartialPath path)
         local = to_local(p.local_frame, path.wi);
     } else {
         RandomKey key = RandomKey(r.pixel, r.frame, frame.c.seed);
-        drawn = bsdf_draw_lobe(p.bsdf, p.wo, lobes, random2(key, bounce, RANDOM_DIRECTION));
+        drawn = bsdf_sample_lobe(p.bsdf, p.wo, lobes, random2(key, bounce, RANDOM_DIRECTION));
         // Between a delta and a rough lobe no measure is common: neither is the image of the other.
         if (drawn.pdf <= 0.0 || drawn.delta != is_delta_bounce(r, bounce))
             return false;
