@@ -82,7 +82,7 @@ class Pane:
     def show(self, port):
         """Show a port "pass.output" in place of the picture, or (None) the picture. One that nobody reads is made by a
         new renderer, where it is an output."""
-        if port is not None and port not in list(self.ports):  # a list: what the page sends need not be hashable
+        if port is not None and not (isinstance(port, str) and port in self.ports):
             raise restirpg.Error(f"{self.name} has no image port '{port}'")
         if port is not None and port not in self._readable():
             self.build(port)
