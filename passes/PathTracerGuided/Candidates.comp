@@ -2,6 +2,7 @@
 #include "prelude.glsl"
 #include "Shared.h"
 #include "restir/path_reservoir.glsl"
+#include "restir/resampling.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { PathTracerParameters params; };
@@ -55,8 +56,7 @@ bool offer(PathReservoir path, float weight, float u)
 {
     if (!(weight > 0.0) || isinf(weight))
         return false;
-    weight_sum += weight;
-    if (u * weight_sum > weight)
+    if (!resample(weight_sum, weight, u))
         return false;
     kept = path;
     return true;

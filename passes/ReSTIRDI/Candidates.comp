@@ -62,8 +62,7 @@ LightReservoir resample_candidates(ShadingPoint p, RandomKey key)
         float pdf = float(params.candidates) * e.light_pdf +
                     float(params.bsdfCandidates) * scatter_pdf(p, e, rough) * e.jacobian;
         float weight = target / pdf;
-        sum += weight;
-        if (random1(key, i, RANDOM_RESAMPLING) * sum < weight) {
+        if (resample(sum, weight, random1(key, i, RANDOM_RESAMPLING))) {
             r.point = y;
             r.target = target;
         }

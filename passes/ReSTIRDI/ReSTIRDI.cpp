@@ -33,19 +33,19 @@ public:
         io.knob("temporal", temporal_, "merge with what the same surface kept in the frame before");
         io.knob("cap", cap_, 1, 1000, "largest confidence of the history, in sets of candidates");
         io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
-        io.knob("neighbours", neighbours_, 1, MAX_NEIGHBOURS, "pixels drawn in one round");
-        io.knob("pool", pool_, 1, MAX_POOL,
+        io.knob("neighbours", rules_.neighbours, 1, MAX_NEIGHBOURS, "pixels drawn in one round");
+        io.knob("pool", rules_.pool, 1, MAX_POOL,
                 "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one "
                 "that is drawn, as published");
-        io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
-        io.knob("least_radius", leastRadius_, 1, 1000, "least radius of the disk, in pixels of the rendered image");
+        io.knob("radius", rules_.radius, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
+        io.knob("least_radius", rules_.leastRadius, 1, 1000, "least radius of the disk, in pixels of the rendered image");
         io.choice("mis", pairwise_, {{"pairwise", true}, {"balance", false}},
                   "MIS weights of spatial reuse with n neighbours: pairwise takes 2 n shadow rays, balance n (n + 1)");
         io.knob("feedback", feedback_,
                 "the next frame starts from the reservoirs after spatial reuse; off: from those before");
-        io.knob("normal_threshold", normalThreshold_, -1, 1,
+        io.knob("normal_threshold", rules_.normalThreshold, -1, 1,
                 "smallest cosine between the shading normals of pixels that are merged");
-        io.knob("depth_threshold", depthThreshold_, 0, 1000,
+        io.knob("depth_threshold", rules_.depthThreshold, 0, 1000,
                 "largest relative difference of their distances from the camera");
     }
 
@@ -87,14 +87,9 @@ private:
         parameters.radiance = addressOf(radiance_);
         parameters.candidates = candidates_;
         parameters.bsdfCandidates = bsdfCandidates_;
-        parameters.neighbours = neighbours_;
         parameters.pairwise = pairwise_;
         parameters.cap = float(cap_);
-        parameters.radius = radius_;
-        parameters.leastRadius = leastRadius_;
-        parameters.pool = pool_;
-        parameters.normalThreshold = normalThreshold_;
-        parameters.depthThreshold = depthThreshold_;
+        parameters.rules = rules_;
         return parameters;
     }
 
@@ -125,14 +120,10 @@ private:
     bool temporal_ = true;
     uint32_t cap_ = 20;
     uint32_t rounds_ = 1;
-    uint32_t neighbours_ = 5;
-    uint32_t pool_ = 1;
-    float radius_ = 30;
-    float leastRadius_ = 3;
+    NeighbourRules rules_{
+        .neighbours = 5, .pool = 1, .radius = 30, .leastRadius = 3, .normalThreshold = 0.5f, .depthThreshold = 0.1f};
     bool feedback_ = true;
     bool pairwise_ = true;
-    float normalThreshold_ = 0.5f;
-    float depthThreshold_ = 0.1f;
     Device* device_ = nullptr;
     Kernel candidatesKernel_, temporalKernel_, spatialKernel_, shadeKernel_;
     std::array<Buffer, 3> scratch_;

@@ -3,11 +3,8 @@
 #define RESTIRPG_RESTIR_DI_SHARED_H
 #include "shaders/frame_types.h"
 #include "shaders/restir/light_reservoir_types.h"
+#include "shaders/restir/neighbour_types.h"
 RESTIRPG_SHARED
-
-/// Neighbours that one pixel can merge in one round: the arrays of merge.glsl have this length.
-RESTIRPG_CONST MAX_NEIGHBOURS = 16u;
-RESTIRPG_CONST MAX_POOL = 32u;
 
 /// Push constants of every kernel of the pass; each reads what it needs.
 struct ReSTIRDIParameters {
@@ -22,14 +19,9 @@ struct ReSTIRDIParameters {
     uint candidates;  ///< light candidates per pixel
     uint bsdfCandidates;
     uint round;  ///< of spatial reuse
-    uint neighbours;  ///< drawn in one round
     uint pairwise;  ///< 1: pairwise MIS, 0: balance heuristic
     float cap;  ///< confidence of the history, in candidate sets
-    float radius;  ///< of the disk of neighbours, see disk_radius
-    float normalThreshold;  ///< least cosine between normals of merged pixels
-    float depthThreshold;  ///< most relative difference of their distances from the camera
-    float leastRadius;  ///< of the disk, pixels of this image
-    uint pool;  ///< pixels that a neighbour is chosen from; 1: each neighbour is drawn uniformly
+    NeighbourRules rules;
 };
 
 RESTIRPG_SHARED_END

@@ -10,7 +10,7 @@
 
 #include "Shared.h"
 #include "restir/light_reservoir.glsl"
-#include "restir/mis_weights.glsl"
+#include "restir/resampling.glsl"
 #include "math/short_list.glsl"
 
 // First addresses of what the numbers decide; candidate i has address i.
@@ -147,8 +147,7 @@ LightReservoir merge_reservoirs(RandomKey key, uint round)
         if (here <= 0.0)
             continue;
         float weight = mis * here * r.ucw;
-        sum += weight;
-        if (i == CENTRE || random1(key, RANDOM_MERGE + round, i - 1u) * sum < weight) {
+        if (resample(sum, weight, i == CENTRE ? 0.0 : random1(key, RANDOM_MERGE + round, i - 1u))) {
             kept.point = r.point;
             kept.target = here;
         }

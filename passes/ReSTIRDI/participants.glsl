@@ -17,19 +17,19 @@ void add_previous(ReSTIRDIParameters params, RandomKey key, uvec2 at, Hit hit, v
 {
     vec2 u = random2(key, RANDOM_PARTICIPANTS + TEMPORAL_ROUND, 0u);
     uint pixel;
-    if (find_history(merge.surfaces, hit, at, motion, u, params.normalThreshold, params.depthThreshold, pixel))
+    if (find_history(merge.surfaces, hit, at, motion, u, params.rules, pixel))
         add_neighbour(pixel, min(merge.reservoirs.at[pixel].confidence, params.cap));
 }
 
-/// Add up to params.neighbours pixels of the disk about this one.
+/// Add up to rules.neighbours pixels of the disk about this one.
 void add_around(ReSTIRDIParameters params, RandomKey key, uvec2 at)
 {
     Appearance centre = load_appearance(merge.surfaces, at.y * frame.c.size.x + at.x);
-    NeighbourRules rules = NeighbourRules(disk_radius(params.radius, params.leastRadius), params.pool, params.normalThreshold, params.depthThreshold);
-    for (uint i = 0u; i < params.neighbours; ++i) {
+    NeighbourRules rules = params.rules;
+    for (uint i = 0u; i < rules.neighbours; ++i) {
         uint pixel;
         Appearance there;
-        bool found = params.pool > 1u
+        bool found = rules.pool > 1u
                          ? choose_compatible(merge.surfaces, at, centre, rules, key, pool_round(params.round), i * MAX_POOL, pixel)
                          : draw_neighbour(merge.surfaces, at, centre, rules, random2(key, RANDOM_PARTICIPANTS + params.round, i), pixel, there);
         if (found)

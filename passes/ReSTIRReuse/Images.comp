@@ -22,7 +22,7 @@ void main()
         return;
     Neighbours neighbours = find_neighbours(at);
     ShadingPoint here = load_domain(hit, false);
-    [[dont_unroll]] for (uint i = 0u; i < params.neighbours; ++i) {
+    [[dont_unroll]] for (uint i = 0u; i < params.rules.neighbours; ++i) {
         uint partner = list_get(neighbours.pixels, i);
         if (partner == INVALID_INDEX)
             continue;
@@ -30,7 +30,7 @@ void main()
         float jacobian;
         if (!shift_to(PathReservoirArray(params.source).at[partner], here, shifted, jacobian))
             jacobian = 0.0;
-        PathImageArray(params.images).at[pixel * params.neighbours + i] =
+        PathImageArray(params.images).at[pixel * params.rules.neighbours + i] =
             PathImage(shifted.f, shifted.geometry, shifted.sharpPdf, jacobian, shifted.anchor, shifted.place);
     }
 }

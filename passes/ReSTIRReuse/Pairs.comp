@@ -17,6 +17,6 @@ void main()
     uint pixel = at.y * frame.c.size.x + at.x;
     bool has_surface = primary_hit(params.surface, pixel).instance != INVALID_INDEX;
     Seen centre = see(at);
-    for (uint i = 0u; i < params.neighbours; ++i)
-        PartnerArray(params.partners).at[pixel * params.neighbours + i] = has_surface ? choose_partner(centre, i) : INVALID_INDEX;
+    for (uint i = 0u; i < params.rules.neighbours; ++i)
+        PartnerArray(params.partners).at[pixel * params.rules.neighbours + i] = has_surface ? choose_partner(centre, i) : INVALID_INDEX;
 }

@@ -42,18 +42,18 @@ public:
         io.knob("cap", cap_, 1, 1000,
                 "largest confidence of the history, in multiples of the candidate's own (Lin et al. 2022: 20)");
         io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
-        io.knob("neighbours", neighbours_, 1, MAX_REUSE_NEIGHBOURS, "pixels drawn in one round");
-        io.knob("pool", pool_, 1, MAX_REUSE_POOL,
+        io.knob("neighbours", rules_.neighbours, 1, MAX_NEIGHBOURS, "pixels drawn in one round");
+        io.knob("pool", rules_.pool, 1, MAX_POOL,
                 "pixels (or pairs) that each neighbour is chosen from, by how much its surface is like this pixel's; "
                 "1: the one that is drawn, as published");
         io.knob("reciprocal", reciprocal_,
                 "pair pixels, so that each shift serves both: half the shifts of spatial reuse");
         io.structural();
-        io.knob("radius", radius_, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
-        io.knob("least_radius", leastRadius_, 1, 1000, "least radius of the disk, in pixels of the rendered image");
-        io.knob("normal_threshold", normalThreshold_, -1, 1,
+        io.knob("radius", rules_.radius, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
+        io.knob("least_radius", rules_.leastRadius, 1, 1000, "least radius of the disk, in pixels of the rendered image");
+        io.knob("normal_threshold", rules_.normalThreshold, -1, 1,
                 "smallest cosine between the shading normals of pixels that are merged");
-        io.knob("depth_threshold", depthThreshold_, 0, 1000,
+        io.knob("depth_threshold", rules_.depthThreshold, 0, 1000,
                 "largest relative difference of their distances from the camera");
     }
 
@@ -94,7 +94,7 @@ public:
         for (parameters.round = 0; parameters.round < rounds_; ++parameters.round) {
             setDestination(parameters, frame, --stage);
             if (reciprocal_) {
-                const uint64_t places = uint64_t(frame.width()) * frame.height() * neighbours_;
+                const uint64_t places = uint64_t(frame.width()) * frame.height() * rules_.neighbours;
                 parameters.partners = scratch(partners_, places * sizeof(uint32_t));
                 parameters.images = scratch(images_, places * sizeof(PathImage));
                 frame.dispatchPixels(pairsKernel_, parameters);
@@ -127,12 +127,7 @@ private:
         p.history = addressOf(history_);
         p.radiance = addressOf(radiance_);
         p.cap = cap_;
-        p.radius = radius_;
-        p.leastRadius = leastRadius_;
-        p.normalThreshold = normalThreshold_;
-        p.depthThreshold = depthThreshold_;
-        p.neighbours = neighbours_;
-        p.pool = pool_;
+        p.rules = rules_;
         return p;
     }
 
@@ -166,13 +161,9 @@ private:
     bool temporal_ = true;
     float cap_ = 20;
     uint32_t rounds_ = 1;
-    uint32_t neighbours_ = 3;
-    uint32_t pool_ = 1;
+    NeighbourRules rules_{
+        .neighbours = 3, .pool = 1, .radius = 20, .leastRadius = 3, .normalThreshold = 0.5f, .depthThreshold = 0.1f};
     bool reciprocal_ = false;
-    float radius_ = 20;
-    float leastRadius_ = 3;
-    float normalThreshold_ = 0.5f;
-    float depthThreshold_ = 0.1f;
     Device* device_ = nullptr;
     Buffer scratch_[3], originScratch_[2], images_, partners_;
     Kernel temporalKernel_, pairsKernel_, imagesKernel_, spatialKernel_, shadeKernel_, verticesKernel_;

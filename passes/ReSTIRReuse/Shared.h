@@ -2,6 +2,7 @@
 #ifndef RESTIRPG_RESTIR_REUSE_SHARED_H
 #define RESTIRPG_RESTIR_REUSE_SHARED_H
 #include "shaders/frame_types.h"
+#include "shaders/restir/neighbour_types.h"
 #include "shaders/restir/path_reservoir_types.h"
 RESTIRPG_SHARED
 
@@ -18,13 +19,8 @@ struct ReuseParameters {
     Address originSource;
     Address origins;  ///< the origin of each path of `reservoirs`, written; 0: nobody reads vertices
     float cap;  ///< confidence of the history, at most, times that of the pixel's own
-    float radius;  ///< of the disk of neighbours, see disk_radius
-    float normalThreshold;
-    float depthThreshold;
-    uint neighbours;
-    uint pool;  ///< pixels that a neighbour is chosen from; 1: each neighbour is drawn uniformly
-    uint round;
-    float leastRadius;  ///< of that disk, pixels of this image
+    uint round;  ///< of spatial reuse
+    NeighbourRules rules;
     Address images;  ///< PathImage, one per pixel and partner; 0: pixels are not paired
     Address partners;  ///< the pixel that each pixel would be paired with in each place, a uint; INVALID_INDEX: none
 };
@@ -49,9 +45,6 @@ struct ReuseVerticesParameters {
     Address vertices;  ///< PathVertex of `source`, likewise, written
     uint stride;  ///< vertices per pixel
 };
-
-RESTIRPG_CONST MAX_REUSE_NEIGHBOURS = 16u;
-RESTIRPG_CONST MAX_REUSE_POOL = 32u;
 
 RESTIRPG_SHARED_END
 #endif

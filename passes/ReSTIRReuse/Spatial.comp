@@ -14,7 +14,7 @@ layout(push_constant, scalar) uniform Push { ReuseParameters params; };
 bool image_in(uint pixel, ShadingPoint domain, uint i, PathReservoir y, out PathReservoir shifted, out float jacobian)
 {
 #if RECIPROCAL
-    PathImage image = PathImageArray(params.images).at[pixel * params.neighbours + i];
+    PathImage image = PathImageArray(params.images).at[pixel * params.rules.neighbours + i];
     shifted = with_image(y, image);
     jacobian = image.jacobian;
     return jacobian > 0.0;
@@ -33,7 +33,7 @@ Choice merge_neighbours(uvec2 at, uint centre, Hit hit, Neighbours neighbours, C
     float own_weight = own.confidence / total;
     // Of each neighbour two images: the centre's path there, the neighbour's path here. One place calls the shift, for compilers copy
     // its code to each.
-    [[dont_unroll]] for (uint i = 0u; i < 2u * params.neighbours; ++i) {
+    [[dont_unroll]] for (uint i = 0u; i < 2u * params.rules.neighbours; ++i) {
         bool outwards = (i & 1u) == 0u;
         uint pixel = list_get(neighbours.pixels, i / 2u);
         if (pixel == INVALID_INDEX)

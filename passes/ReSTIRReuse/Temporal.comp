@@ -53,7 +53,7 @@ void main()
     vec2 u = random2(reuse_key(at), TEMPORAL_ROUND, 0u);
     uint before;
     if (hit.instance != INVALID_INDEX && find_history(params.previousSurface, hit, at, Vec2Array(params.motion).at[pixel], u,
-                                                      params.normalThreshold, params.depthThreshold, before))
+                                                      params.rules, before))
         kept = merge_history(at, hit, kept.path, before);
     PathReservoirArray(params.reservoirs).at[pixel] = kept.path;
     write_origin(params.origins, pixel, kept.owner == OWN ? pixel : before | OF_HISTORY);

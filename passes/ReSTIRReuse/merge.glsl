@@ -4,7 +4,7 @@
 
 #include "Shared.h"
 
-#include "restir/mis_weights.glsl"
+#include "restir/resampling.glsl"
 #include "restir/neighbours.glsl"
 #include "rounds.glsl"
 #include "restir/path_shift.glsl"
@@ -73,8 +73,7 @@ void choose(inout Choice kept, PathReservoir path, uint owner, float weight, flo
 {
     if (!(weight > 0.0) || isinf(weight))
         return;
-    kept.sum += weight;
-    if (u * kept.sum < weight) {
+    if (resample(kept.sum, weight, u)) {
         kept.path = path;
         kept.owner = owner;
     }

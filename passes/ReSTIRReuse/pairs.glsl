@@ -6,11 +6,6 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PartnerArray { uint at[]; };
 
-NeighbourRules neighbour_rules()
-{
-    return NeighbourRules(disk_radius(params.radius, params.leastRadius), params.pool, params.normalThreshold, params.depthThreshold);
-}
-
 /// The pixel that pattern number `pattern` pairs with this one: it pairs that pixel with this one. false: it would be outside of the
 /// image, or this pixel itself.
 bool find_partner(uvec2 at, uint side, uint pattern, out uvec2 partner)
@@ -42,12 +37,12 @@ Seen see(uvec2 at)
 
 /// What a pattern's pair bids for being chosen, 0 if the surfaces are not similar: the largest bid of a pool is that of each member with
 /// a chance in proportion to its compatibility. Both pixels find the same number: nothing depends on which of them asks.
-float pair_bid(Seen a, Seen b, NeighbourRules rules, uint pattern)
+float pair_bid(Seen a, Seen b, uint pattern)
 {
     bool a_is_nearer = a.looks.distance <= b.looks.distance;
     Appearance nearer = Appearance(a_is_nearer ? a.looks.normal : b.looks.normal, min(a.looks.distance, b.looks.distance));
     Appearance other = Appearance(a_is_nearer ? b.looks.normal : a.looks.normal, max(a.looks.distance, b.looks.distance));
-    if (!is_similar(nearer, other, rules.normal_threshold, rules.depth_threshold))  // and so the other way round
+    if (!is_similar(nearer, other, params.rules.normalThreshold, params.rules.depthThreshold))  // and so the other way round
         return 0.0;
     // The race of exponential variates: -log(u) / score is least for a member with a chance in proportion to its score.
     bool a_is_first = a.at.y < b.at.y || (a.at.y == b.at.y && a.at.x < b.at.x);
@@ -58,20 +53,19 @@ float pair_bid(Seen a, Seen b, NeighbourRules rules, uint pattern)
 /// The pixel that this one would be paired with in place i: of a pool of patterns the one of the largest bid; INVALID_INDEX: with none.
 uint choose_partner(Seen centre, uint i)
 {
-    NeighbourRules rules = neighbour_rules();
     // The offsets have the disk's root mean square: side^2 / 3 = radius^2 / 2.
-    uint side = max(uint(round(rules.radius * sqrt(1.5))), 2u);
+    uint side = max(uint(round(disk_radius(params.rules) * sqrt(1.5))), 2u);
     uint chosen = INVALID_INDEX;
     float largest = 0.0;
-    for (uint k = 0u; k < rules.pool; ++k) {
-        uint pattern = i * MAX_REUSE_POOL + k;
+    for (uint k = 0u; k < params.rules.pool; ++k) {
+        uint pattern = i * MAX_POOL + k;
         uvec2 partner;
         if (!find_partner(centre.at, side, pattern, partner))
             continue;
         uint pixel = partner.y * frame.c.size.x + partner.x;
         if (primary_hit(params.surface, pixel).instance == INVALID_INDEX)
             continue;
-        float bid = pair_bid(centre, see(partner), rules, pattern);
+        float bid = pair_bid(centre, see(partner), pattern);
         if (bid > largest) {
             largest = bid;
             chosen = pixel;
@@ -83,7 +77,7 @@ uint choose_partner(Seen centre, uint i)
 /// What a pixel has chosen for place i. It is paired with it if that one has chosen it, too.
 uint chosen_partner(uint pixel, uint i)
 {
-    return PartnerArray(params.partners).at[pixel * params.neighbours + i];
+    return PartnerArray(params.partners).at[pixel * params.rules.neighbours + i];
 }
 
 #endif

@@ -18,10 +18,10 @@ bool find_neighbour(uvec2 at, Appearance centre, uint i, out uint pixel)
     pixel = chosen_partner(self, i);
     return pixel != INVALID_INDEX && chosen_partner(pixel, i) == self;
 #else
-    NeighbourRules rules = neighbour_rules();
+    NeighbourRules rules = params.rules;
     Appearance there;
-    if (params.pool > 1u)
-        return choose_compatible(params.surface, at, centre, rules, reuse_key(at), pool_round(params.round), i * MAX_REUSE_POOL, pixel);
+    if (rules.pool > 1u)
+        return choose_compatible(params.surface, at, centre, rules, reuse_key(at), pool_round(params.round), i * MAX_POOL, pixel);
     return draw_neighbour(params.surface, at, centre, rules, random2(reuse_key(at), spatial_round(params.round), 2u * i), pixel, there);
 #endif
 }
@@ -37,7 +37,7 @@ Neighbours find_neighbours(uvec2 at)
 {
     Appearance centre = load_appearance(params.surface, at.y * frame.c.size.x + at.x);
     Neighbours found = Neighbours(ShortList(uvec4(0u), uvec4(0u), uvec4(0u), uvec4(0u)), 0.0, false);
-    for (uint i = 0u; i < params.neighbours; ++i) {
+    for (uint i = 0u; i < params.rules.neighbours; ++i) {
         uint pixel;
         if (find_neighbour(at, centre, i, pixel)) {
             found.confidence += PathReservoirArray(params.source).at[pixel].confidence;

@@ -9,25 +9,25 @@
 const uint TEMPORAL_ROUND = 0xffffu;
 
 /// Numbers of a spatial round: two a neighbour, and one for the centre.
-const uint SPATIAL_NUMBERS = 2u * MAX_REUSE_NEIGHBOURS + 1u;
+const uint SPATIAL_NUMBERS = 2u * MAX_NEIGHBOURS + 1u;
 
 uint spatial_round(uint round)
 {
     return round * ((SPATIAL_NUMBERS + RANDOM_DIMENSIONS - 1u) / RANDOM_DIMENSIONS);
 }
 
-/// Where the numbers begin that choose from pools: MAX_REUSE_POOL addresses a neighbour.
+/// Where the numbers begin that choose from pools: MAX_POOL addresses a neighbour.
 uint pool_round(uint round)
 {
     const uint FIRST = 0x20000u;
-    return FIRST + round * (MAX_REUSE_NEIGHBOURS * MAX_REUSE_POOL / RANDOM_DIMENSIONS);
+    return FIRST + round * (MAX_NEIGHBOURS * MAX_POOL / RANDOM_DIMENSIONS);
 }
 
 /// Where the numbers begin that pair pixels, as many addresses.
 uint partner_round(uint round)
 {
     const uint FIRST = 0x30000u;
-    return FIRST + round * (MAX_REUSE_NEIGHBOURS * MAX_REUSE_POOL / RANDOM_DIMENSIONS);
+    return FIRST + round * (MAX_NEIGHBOURS * MAX_POOL / RANDOM_DIMENSIONS);
 }
 
 #endif

@@ -115,8 +115,7 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(GuidingSample, vertex, weight, distance),
     LAYOUT(PathImage, f, geometry, sharpPdf, jacobian, anchor, place),
     LAYOUT(ReuseParameters, frame, surface, previousSurface, motion, source, history, reservoirs, radiance,
-           originSource, origins, cap, radius, normalThreshold, depthThreshold, neighbours, pool, round, leastRadius,
-           images, partners),
+           originSource, origins, cap, round, rules, images, partners),
     LAYOUT(ReuseVerticesParameters, frame, surface, source, origins, candidates, history, vertices, stride),
     LAYOUT(GuidingGrid, camera, scale, origin, smallest),
     LAYOUT(GuidingHeader, grid, capacity, options, cells, collisions, failed, samples, fitted, guiding),
@@ -134,8 +133,8 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(LightPoint, instance, index, place),
     LAYOUT(LightReservoir, point, ucw, confidence, target),
     LAYOUT(ReSTIRDIParameters, frame, surface, previousSurface, motion, history, source, reservoirs, radiance,
-           candidates, bsdfCandidates, round, neighbours, pairwise, cap, radius, normalThreshold, depthThreshold,
-           leastRadius, pool),
+           candidates, bsdfCandidates, round, pairwise, cap, rules),
+    LAYOUT(NeighbourRules, neighbours, pool, radius, leastRadius, normalThreshold, depthThreshold),
 };
 
 /// A kernel that reads an array of each struct through a device address.

@@ -2,6 +2,8 @@
 #ifndef RESTIRPG_NEIGHBOURS_GLSL
 #define RESTIRPG_NEIGHBOURS_GLSL
 
+#include "restir/neighbour_types.h"
+#include "restir/resampling.glsl"
 #include "scene/camera.glsl"
 #include "math/random.glsl"
 #include "math/sampling.glsl"
@@ -73,19 +75,19 @@ bool find_previous_pixel(uvec2 at, vec2 motion, vec2 u, out uint pixel)
 }
 
 /// The pixel that showed this one's surface in the frame before, if what it shows is similar.
-bool find_history(Address previous_surfaces, Hit hit, uvec2 at, vec2 motion, vec2 u, float normal_threshold, float depth_threshold, out uint pixel)
+bool find_history(Address previous_surfaces, Hit hit, uvec2 at, vec2 motion, vec2 u, NeighbourRules rules, out uint pixel)
 {
     if (!find_previous_pixel(at, motion, u, pixel) || primary_hit(previous_surfaces, pixel).instance == INVALID_INDEX)
         return false;
     Appearance today = appearance(load_surface(hit, true), frame.c.previousCamera.position);
-    return is_similar(today, load_appearance(previous_surfaces, pixel), normal_threshold, depth_threshold);
+    return is_similar(today, load_appearance(previous_surfaces, pixel), rules.normalThreshold, rules.depthThreshold);
 }
 
-/// Radius in pixels of this image of a disk of neighbours: its share of the height, but never below `least`, so that small images have
+/// Radius in pixels of this image of a disk of neighbours: its share of the height, but never below the least, so that small images have
 /// neighbours left [shaders/README: Sizes relative to the image].
-float disk_radius(float radius_at_1080, float least)
+float disk_radius(NeighbourRules rules)
 {
-    return max(radius_at_1080 * float(frame.c.picture.y) / 1080.0, least);
+    return max(rules.radius * float(frame.c.picture.y) / 1080.0, rules.leastRadius);
 }
 
 /// Index of a pixel drawn uniformly from the disk about this one, radius in pixels; false: outside of the image, or this one.
@@ -100,21 +102,13 @@ bool find_neighbour_pixel(uvec2 at, float radius, vec2 u, out uint pixel)
     return true;
 }
 
-/// How a pixel finds its neighbours for spatial reuse.
-struct NeighbourRules {
-    float radius;  ///< of the disk, pixels of this image
-    uint pool;  ///< pixels of the disk that one neighbour is chosen from; 1: the one that is drawn
-    float normal_threshold;
-    float depth_threshold;
-};
-
 /// A pixel of the disk about this one, if its surface is similar to this one's.
 bool draw_neighbour(Address surfaces, uvec2 at, Appearance centre, NeighbourRules rules, vec2 u, out uint pixel, out Appearance there)
 {
-    if (!find_neighbour_pixel(at, rules.radius, u, pixel) || primary_hit(surfaces, pixel).instance == INVALID_INDEX)
+    if (!find_neighbour_pixel(at, disk_radius(rules), u, pixel) || primary_hit(surfaces, pixel).instance == INVALID_INDEX)
         return false;
     there = load_appearance(surfaces, pixel);
-    return is_similar(centre, there, rules.normal_threshold, rules.depth_threshold);
+    return is_similar(centre, there, rules.normalThreshold, rules.depthThreshold);
 }
 
 /// Chooses one of rules.pool pixels of the disk in proportion to their compatibility with this one [shaders/README: Compatible neighbours].
@@ -133,8 +127,7 @@ bool choose_compatible(Address surfaces, uvec2 at, Appearance centre, NeighbourR
             continue;
         uvec2 place = uvec2(candidate % frame.c.size.x, candidate / frame.c.size.x);
         float score = compatibility(centre, position, there, seen_position(place, there));
-        sum += score;
-        if (u.z * sum < score)
+        if (resample(sum, score, u.z))
             pixel = candidate;
     }
     return sum > 0.0;

@@ -32,11 +32,9 @@ public:
         parameters.motion = motion_->address();
         parameters.history = history_->address();
         parameters.source = reservoirs_->address();
-        parameters.neighbours = 4;
         parameters.cap = 5;
-        parameters.radius = 4.0f * 1080.0f / float(frame.height());  // 4 pixels
-        parameters.normalThreshold = 0.5f;
-        parameters.depthThreshold = 0.1f;
+        parameters.rules = {
+            .neighbours = 4, .pool = 1, .radius = 0, .leastRadius = 4, .normalThreshold = 0.5f, .depthThreshold = 0.1f};
         parameters.radiance = temporal_->address();
         frame.dispatchPixels(kernel_, parameters);
         parameters.radiance = spatial_->address();
