@@ -50,11 +50,19 @@ float pair_bid(Seen a, Seen b, uint pattern)
     return compatibility(nearer, a.position, other, b.position) / -log(max(1.0 - u, 1e-8));
 }
 
+/// Side of the square tiles in which the pixels of place i are paired. Their offsets have the root mean square of a disk's: side^2 / 3 =
+/// radius^2 / 2. In every second place the radius is a third: where light is easily found and surfaces are glossy, far pixels' paths
+/// are worth little.
+uint tile_side(uint i)
+{
+    float radius = disk_radius(params.rules) * (i % 2u == 0u ? 1.0 : 1.0 / 3.0);
+    return max(uint(round(radius * sqrt(1.5))), 2u);
+}
+
 /// The pixel that this one would be paired with in place i: of a pool of patterns the one of the largest bid; INVALID_INDEX: with none.
 uint choose_partner(Seen centre, uint i)
 {
-    // The offsets have the disk's root mean square: side^2 / 3 = radius^2 / 2.
-    uint side = max(uint(round(disk_radius(params.rules) * sqrt(1.5))), 2u);
+    uint side = tile_side(i);
     uint chosen = INVALID_INDEX;
     float largest = 0.0;
     for (uint k = 0u; k < params.rules.pool; ++k) {
