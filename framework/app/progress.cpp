@@ -1,5 +1,7 @@
 #include "app/progress.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include <unistd.h>
@@ -51,7 +53,7 @@ void Progress::draw(double elapsed) const
 
 std::string clockText(double seconds)
 {
-    const auto whole = int64_t(seconds + 0.5);
+    const int64_t whole = std::llround(seconds);
     if (whole >= 3600)
         return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
     return fmt::format("{}:{:02}", whole / 60, whole % 60);

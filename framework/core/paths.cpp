@@ -51,7 +51,7 @@ fs::path libraryFolder()
 
 fs::path shaderFolder()
 {
-    if (const auto given = environment("RESTIRPG_SHADERS"); !given.empty())
+    if (auto given = environment("RESTIRPG_SHADERS"); !given.empty())
         return given;
     if (const auto share = shareFolder(); !share.empty())
         return share / "shaders";
@@ -98,7 +98,7 @@ fs::path pythonInterpreter()
 
 fs::path cacheFolder()
 {
-    if (const auto given = environment("RESTIRPG_CACHE_DIR"); !given.empty())
+    if (auto given = environment("RESTIRPG_CACHE_DIR"); !given.empty())
         return given;
     if (const auto xdg = environment("XDG_CACHE_HOME"); !xdg.empty())
         return xdg / "restirpg";

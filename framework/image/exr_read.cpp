@@ -166,7 +166,7 @@ using ReadRow = std::function<void(int y)>;
 /// The display window's picture from rows of the data window: what lies outside of the data window is black.
 Image placeRows(const fs::path& file, const Imf::Header& header, const std::vector<float>& row, const ReadRow& read)
 {
-    const Box2i data = header.dataWindow(), display = header.displayWindow();
+    const Box2i &data = header.dataWindow(), &display = header.displayWindow();
     const int64_t width = int64_t(display.max.x) - display.min.x + 1;
     const int64_t height = int64_t(display.max.y) - display.min.y + 1;
     checkImageClaim(file.string(), width, height, fs::file_size(file), BYTES_PER_PIXEL_FLOAT);

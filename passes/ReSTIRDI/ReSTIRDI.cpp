@@ -38,7 +38,8 @@ public:
                 "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one "
                 "that is drawn, as published");
         io.knob("radius", rules_.radius, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
-        io.knob("least_radius", rules_.leastRadius, 1, 1000, "least radius of the disk, in pixels of the rendered image");
+        io.knob("least_radius", rules_.leastRadius, 1, 1000,
+                "least radius of the disk, in pixels of the rendered image");
         io.choice("mis", pairwise_, {{"pairwise", true}, {"balance", false}},
                   "MIS weights of spatial reuse with n neighbours: pairwise takes 2 n shadow rays, balance n (n + 1)");
         io.knob("feedback", feedback_,

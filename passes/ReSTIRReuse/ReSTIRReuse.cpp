@@ -50,7 +50,8 @@ public:
                 "pair pixels, so that each shift serves both: half the shifts of spatial reuse");
         io.structural();
         io.knob("radius", rules_.radius, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
-        io.knob("least_radius", rules_.leastRadius, 1, 1000, "least radius of the disk, in pixels of the rendered image");
+        io.knob("least_radius", rules_.leastRadius, 1, 1000,
+                "least radius of the disk, in pixels of the rendered image");
         io.knob("normal_threshold", rules_.normalThreshold, -1, 1,
                 "smallest cosine between the shading normals of pixels that are merged");
         io.knob("depth_threshold", rules_.depthThreshold, 0, 1000,

@@ -76,6 +76,10 @@ def test_errors_after_denoising_stand_apart(tmp_path, monkeypatch):
     assert "last frame, denoised" in page and "FLIP of the last frame" in page
 
 
-def test_a_comparison_cannot_denoise_without_the_package(tmp_path):
+def test_a_comparison_cannot_denoise_without_the_package(tmp_path, monkeypatch):
+    hidden = tmp_path / "hidden"
+    hidden.mkdir()
+    (hidden / "sitecustomize.py").write_text('import sys\nsys.modules["pyoidn"] = None\n')  # also where it is installed
+    monkeypatch.setitem(ENVIRONMENT, "PYTHONPATH", f"{hidden}:{ENVIRONMENT['PYTHONPATH']}")
     run = compare(tmp_path, denoise=[])
     assert run.returncode == 2 and "pip install pyoidn" in run.stderr and run.stderr.count("\n") == 1
