@@ -4,6 +4,7 @@
 #include "gpu/binding_set.h"
 #include "gpu/kernel.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -32,8 +33,7 @@ inline const Kernel& kernel(const std::string& name)
     static std::map<std::string, Kernel> kernels;
     auto found = kernels.find(name);
     if (found == kernels.end())
-        found =
-            kernels.emplace(name, Kernel(target, std::string(RESTIRPG_SOURCE) + "/tests/gpu/" + name + ".comp")).first;
+        found = kernels.emplace(name, Kernel(target, fmt::format("{}/tests/gpu/{}.comp", RESTIRPG_SOURCE, name))).first;
     return found->second;
 }
 

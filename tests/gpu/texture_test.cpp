@@ -82,11 +82,11 @@ TEST(Textures, LookupsWrapAndFilterAsSpecified)
     using Wrap = Texture::Wrap;
     using Filter = Texture::Filter;
     Scene source = darkScene();
-    for (const auto [wrapU, wrapV] : {std::pair{Wrap::repeat, Wrap::mirroredRepeat},
-                                      {Wrap::mirroredRepeat, Wrap::clampToEdge},
-                                      {Wrap::clampToEdge, Wrap::repeat}})
+    for (const auto& [wrapU, wrapV] : {std::pair{Wrap::repeat, Wrap::mirroredRepeat},
+                                       {Wrap::mirroredRepeat, Wrap::clampToEdge},
+                                       {Wrap::clampToEdge, Wrap::repeat}})
         for (const Filter filter : {Filter::linear, Filter::nearest})
-            for (const auto [width, height] : {std::pair{1u, 1u}, {5u, 3u}, {64u, 1u}, {17u, 32u}})
+            for (const auto& [width, height] : {std::pair{1u, 1u}, {5u, 3u}, {64u, 1u}, {17u, 32u}})
                 for (const bool floats : {false, true}) {
                     Texture texture = noise(width, height, floats);
                     texture.wrapU = wrapU;

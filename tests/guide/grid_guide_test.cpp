@@ -32,7 +32,7 @@ Buffer makeGuide(const Lobes& lobes, uint32_t options = 0, const GuidingMemory& 
     const Buffer from = device().createBuffer(lobes, "lobes");
     const Buffer sums = device().createBuffer(std::vector{memory}, "memory");
     const GridGuideBuild build{guide.address(), from.address(), sums.address(), options};
-    static const Kernel kernel(device(), std::string(RESTIRPG_SOURCE) + "/tests/guide/grid_guide_build.comp");
+    static const Kernel kernel(device(), RESTIRPG_SOURCE "/tests/guide/grid_guide_build.comp");
     device().submit([&](VkCommandBuffer commands) { kernel.dispatch(commands, &build, sizeof(build), 1); });
     return guide;
 }

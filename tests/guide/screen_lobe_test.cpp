@@ -193,7 +193,7 @@ ScreenLobe fit(uint32_t kind, const std::vector<PlacedSample>& placed, float pri
         samples.push_back({glm::vec3(frame * hemisphereOfSquare(s.place)), float(s.weight)});
     const Buffer input = device().createBuffer(samples, "samples");
     const Buffer result = device().createBuffer(sizeof(ScreenLobe), "lobe");
-    static const Kernel kernel(device(), std::string(RESTIRPG_SOURCE) + "/tests/guide/screen_lobe_fit.comp");
+    static const Kernel kernel(device(), RESTIRPG_SOURCE "/tests/guide/screen_lobe_fit.comp");
     const FitCase test{input.address(), result.address(), TILTED, uint32_t(samples.size()), kind, floor,
                        prior,           regularisation};
     device().submit([&](VkCommandBuffer commands) { kernel.dispatch(commands, &test, sizeof(test), 1); });

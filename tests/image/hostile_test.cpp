@@ -129,7 +129,7 @@ TEST_F(HostileImage, AHugeDataWindowIsRefusedByItsClaim)
 TEST_F(HostileImage, AnAttributeOfAnotherSizeThanItsTypeIsRefused)
 {
     const auto good = readBytes(exr());
-    for (const std::string key : {std::string("channels\0chlist", 15), std::string("dataWindow\0box2i", 16)}) {
+    for (const std::string& key : {std::string("channels\0chlist", 15), std::string("dataWindow\0box2i", 16)}) {
         auto bytes = good;
         const auto found = std::search(bytes.begin(), bytes.end(), key.begin(), key.end());
         ASSERT_NE(found, bytes.end());
@@ -149,7 +149,7 @@ TEST_F(HostileImage, FilesThatAreNotImagesAreRefused)
         EXPECT_FALSE(isReadOrOneError(folder_ / "bad", [](const fs::path& f) { return readExr(f); })) << text;
         EXPECT_FALSE(isReadOrOneError(folder_ / "bad", [](const fs::path& f) { return readHdr(f); })) << text;
     }
-    for (const fs::path file : {folder_ / "missing", folder_, fs::path("/dev/zero"), fs::path("/dev/full")}) {
+    for (const fs::path& file : {folder_ / "missing", folder_, fs::path("/dev/zero"), fs::path("/dev/full")}) {
         EXPECT_FALSE(isReadOrOneError(file, [](const fs::path& f) { return readExr(f); }));
         EXPECT_FALSE(isReadOrOneError(file, [](const fs::path& f) { return readHdr(f); }));
     }

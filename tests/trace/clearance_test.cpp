@@ -98,7 +98,7 @@ const Kernel& kernelOf(const std::string& backend)
     auto& kernel = kernels[backend];
     if (!kernel) {
         device.setKernelDefine("RESTIRPG_ALPHA_MASK", "0");
-        kernel = Kernel(device, std::string(RESTIRPG_SOURCE) + "/tests/trace/leave_surface.comp");
+        kernel = Kernel(device, RESTIRPG_SOURCE "/tests/trace/leave_surface.comp");
     }
     return kernel;
 }

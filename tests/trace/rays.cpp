@@ -37,7 +37,7 @@ std::pair<glm::vec3, glm::vec3> leave(const Scene& scene, const std::vector<glm:
 DeviceTracer::DeviceTracer(Device& device, const Scene& scene, const std::vector<glm::mat4>& pose)
     : device_(device), scene_(device, scene, pose)
 {
-    const std::string file = std::string(RESTIRPG_SOURCE) + "/tests/trace/trace_rays.comp";
+    const std::string file = RESTIRPG_SOURCE "/tests/trace/trace_rays.comp";
     closest_ = Kernel(device, file, {{"ANY", "0"}});
     any_ = Kernel(device, file, {{"ANY", "1"}});
     constants_ = device.createBuffer(sizeof(FrameConstants), "frame constants");
