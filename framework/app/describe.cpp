@@ -12,12 +12,12 @@
 namespace restirpg {
 namespace {
 
-struct Options {
+struct DescribeOptions {
     std::string pass;
     bool markdown = false;
 };
 
-void describeOne(const Plugins& plugins, const Options& options, TextFormat format)
+void describeOne(const Plugins& plugins, const DescribeOptions& options, TextFormat format)
 {
     const auto* plugin = plugins.find(options.pass);
     if (!plugin && !plugins.problem(options.pass).empty())
@@ -52,7 +52,7 @@ void describeAll(const Plugins& plugins, TextFormat format)
 void addDescribeCommand(CLI::App& app)
 {
     auto* command = app.add_subcommand("describe", "Print the ports and knobs of a pass, or of all");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<DescribeOptions>();
     command->add_option("PASS", options->pass, "Type of the pass; without it: all");
     command->add_flag("--markdown", options->markdown, "As the READMEs of the passes have it");
     command->callback([options] {

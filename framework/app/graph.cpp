@@ -12,7 +12,7 @@
 namespace restirpg {
 namespace {
 
-struct Options {
+struct GraphOptions {
     std::string file;
     bool dot = false;
 };
@@ -72,7 +72,7 @@ void printOutputs(const Graph& graph)
 void addGraphCommand(CLI::App& app)
 {
     auto* command = app.add_subcommand("graph", "Check a graph file; print its order, edges, resources and outputs");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<GraphOptions>();
     command->add_option("GRAPH", options->file, "Graph file (.py or .json)")->required();
     command->add_flag("--dot", options->dot, "Print it for Graphviz instead");
     command->callback([options] {

@@ -24,7 +24,7 @@
 namespace restirpg {
 namespace {
 
-struct Options {
+struct RenderOptions {
     std::string graph;
     std::string scene;
     std::string size = "640x360";
@@ -58,7 +58,7 @@ void parseSize(const std::string& text, RendererOptions& options)
 }
 
 /// What would stop us only after the rendering is asked before it.
-void checkFiles(const Options& options)
+void checkFiles(const RenderOptions& options)
 {
     if (options.exr.empty() && options.png.empty() && options.reference.empty())
         fail("nothing to do with the picture; name a file with -o out.exr or --png out.png, or a --reference to "
@@ -74,7 +74,7 @@ void checkFiles(const Options& options)
 }
 
 /// Everything that is read: writing over it would destroy what the picture is made from.
-std::vector<std::filesystem::path> inputsOf(const Options& options, const Graph& graph, const Scene& scene)
+std::vector<std::filesystem::path> inputsOf(const RenderOptions& options, const Graph& graph, const Scene& scene)
 {
     std::vector<std::filesystem::path> inputs = scene.files;
     for (const auto& file : {options.graph, options.reference, options.environment, options.display.config})
@@ -85,7 +85,7 @@ std::vector<std::filesystem::path> inputsOf(const Options& options, const Graph&
     return inputs;
 }
 
-std::shared_ptr<const Scene> loadScene(const Options& options)
+std::shared_ptr<const Scene> loadScene(const RenderOptions& options)
 {
     Scene scene = loadGltf(options.scene, options.allowOutside);
     if (!options.environment.empty())
@@ -98,7 +98,7 @@ std::shared_ptr<const Scene> loadScene(const Options& options)
 }
 
 /// Bounce cap first (the user's, else the scene's own), then the knobs named one by one.
-void setKnobs(Graph& graph, const Options& options, const Scene& scene)
+void setKnobs(Graph& graph, const RenderOptions& options, const Scene& scene)
 {
     if (const auto bounces = options.bounces ? options.bounces : scene.bounceCap) {
         const uint32_t reached = graph.setKnobEverywhere("bounces", *bounces);
@@ -119,7 +119,7 @@ const OutputPort& portOf(const Graph& graph, const GraphOutput& output)
 }
 
 /// Whether a file that is asked for cannot hold the picture.
-void checkPicture(const GraphOutput& output, uint32_t channels, const Options& options)
+void checkPicture(const GraphOutput& output, uint32_t channels, const RenderOptions& options)
 {
     if (!options.png.empty() && channels != 1 && channels != 3)
         fail("output '{}' has {} channels, a PNG has 1 or 3; choose another with --output, or -o for an EXR",
@@ -130,7 +130,7 @@ void checkPicture(const GraphOutput& output, uint32_t channels, const Options& o
 }
 
 /// The output that is the picture: the user's first, else the graph's. Outputs that no image file can hold are named.
-std::string chooseOutput(Graph& graph, Options& options)
+std::string chooseOutput(Graph& graph, RenderOptions& options)
 {
     for (auto& name : options.outputs)
         name = graph.addOutput(name);
@@ -153,7 +153,7 @@ std::string chooseOutput(Graph& graph, Options& options)
     return chosen;
 }
 
-Image readReference(const Options& options)
+Image readReference(const RenderOptions& options)
 {
     if (options.reference.empty())
         return {};
@@ -168,7 +168,7 @@ Image readReference(const Options& options)
     return reference;
 }
 
-void writeFiles(Renderer& renderer, const Options& options, const std::string& shown)
+void writeFiles(Renderer& renderer, const RenderOptions& options, const std::string& shown)
 {
     if (!options.exr.empty())
         renderer.save(options.exr, options.half ? PixelType::half : PixelType::full, options.outputs);
@@ -177,7 +177,7 @@ void writeFiles(Renderer& renderer, const Options& options, const std::string& s
 }
 
 /// --keep-every: what cannot be written now may be when all is rendered.
-void keep(Renderer& renderer, const Options& options, const std::string& shown)
+void keep(Renderer& renderer, const RenderOptions& options, const std::string& shown)
 {
     try {
         writeFiles(renderer, options, shown);
@@ -187,7 +187,7 @@ void keep(Renderer& renderer, const Options& options, const std::string& shown)
 }
 
 /// Renders all frames, or until a signal comes; returns seconds.
-double renderFrames(Renderer& renderer, const Options& options, const std::string& shown,
+double renderFrames(Renderer& renderer, const RenderOptions& options, const std::string& shown,
                     const Interruption& interruption)
 {
     const auto start = std::chrono::steady_clock::now();
@@ -229,7 +229,7 @@ void reportInvalid(Renderer& renderer)
              count, renderer.frame() * double(renderer.window().width) * renderer.window().height);
 }
 
-void writeResults(Renderer& renderer, const Options& options, const std::string& shown, const Image& reference)
+void writeResults(Renderer& renderer, const RenderOptions& options, const std::string& shown, const Image& reference)
 {
     const Image image = renderer.output(shown);
     reportInvalid(renderer);
@@ -245,7 +245,7 @@ void writeResults(Renderer& renderer, const Options& options, const std::string&
     }
 }
 
-void render(Options& options)
+void render(RenderOptions& options)
 {
     parseSize(options.size, options.renderer);
     if (const auto& w = options.window; !w.empty())
@@ -286,7 +286,7 @@ void render(Options& options)
         interruption.end();
 }
 
-void addInputOptions(CLI::App& command, Options& options)
+void addInputOptions(CLI::App& command, RenderOptions& options)
 {
     command.add_option("GRAPH", options.graph, "Graph file (.py or .json)")->required();
     command.add_option("--scene", options.scene, "glTF 2.0 scene (.gltf or .glb)")->required();
@@ -312,7 +312,7 @@ void addInputOptions(CLI::App& command, Options& options)
     command.add_option("--set", options.knobs, "Set a knob: PASS.KNOB=VALUE; may be repeated")->allow_extra_args(false);
 }
 
-void addOutputOptions(CLI::App& command, Options& options)
+void addOutputOptions(CLI::App& command, RenderOptions& options)
 {
     command.add_option("--size", options.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
     command
@@ -355,7 +355,7 @@ void addDeviceOptions(CLI::App& command, DeviceOptions& options)
 void addRenderCommand(CLI::App& app)
 {
     auto* command = app.add_subcommand("render", "Render a scene through a graph");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<RenderOptions>();
     addInputOptions(*command, *options);
     addOutputOptions(*command, *options);
     addDeviceOptions(*command, options->renderer.device);

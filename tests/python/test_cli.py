@@ -246,10 +246,13 @@ def test_a_file_that_was_read_is_not_written(scene, tmp_path):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_rendering_keeps_what_there_is(scene, tmp_path, number):
     command = [PROGRAM, *map(str, render_command(scene, frames=1000000))]
-    program = subprocess.Popen(command, cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    assert "back end" in program.stdout.readline()
-    program.send_signal(number)
-    output, errors = program.communicate(timeout=600)
+    with subprocess.Popen(command, cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as program:
+        try:
+            assert "back end" in program.stdout.readline()
+            program.send_signal(number)
+            output, errors = program.communicate(timeout=60)
+        finally:
+            program.kill()
     assert program.returncode == -number
     kept = int(re.search(r"interrupted after (\d+) of 1000000 frames, which are kept\n", errors)[1])
     assert output.endswith("wrote a.exr\n") and kept > 0

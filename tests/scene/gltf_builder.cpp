@@ -1,9 +1,11 @@
 #include "gltf_builder.h"
 
+#include "core/log.h"
 #include "scene/gltf.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
@@ -178,6 +180,18 @@ std::string errorOf(const std::function<void()>& run)
     }
     ADD_FAILURE() << "no Error was raised";
     return {};
+}
+
+bool wasWarned(const std::string& part)
+{
+    const auto said = saidWarnings();
+    return std::any_of(said.begin(), said.end(), [&](const std::string& text) { return text.find(part) != text.npos; });
+}
+
+void expectNear(glm::vec3 a, glm::vec3 b, float tolerance)
+{
+    EXPECT_LT(glm::length(a - b), tolerance)
+        << a.x << " " << a.y << " " << a.z << " not " << b.x << " " << b.y << " " << b.z;
 }
 
 void writeBytes(const std::filesystem::path& file, const std::vector<uint8_t>& bytes)

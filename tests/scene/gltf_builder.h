@@ -77,6 +77,12 @@ std::string errorOf(const GltfBuilder& builder);
 /// The message of the Error that `run` raises; same rules.
 std::string errorOf(const std::function<void()>& run);
 
+/// Whether one of the warnings said so far contains `part`.
+bool wasWarned(const std::string& part);
+
+/// Expect a distance between the points of less than `tolerance`.
+void expectNear(glm::vec3 a, glm::vec3 b, float tolerance = 1e-6f);
+
 /// Write bytes to a file.
 void writeBytes(const std::filesystem::path& file, const std::vector<uint8_t>& bytes);
 

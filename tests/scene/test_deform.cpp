@@ -15,18 +15,6 @@ using nlohmann::json;
 
 namespace {
 
-void expectNear(glm::vec3 a, glm::vec3 b, float tolerance = 1e-5f)
-{
-    EXPECT_LT(glm::length(a - b), tolerance)
-        << a.x << " " << a.y << " " << a.z << " not " << b.x << " " << b.y << " " << b.z;
-}
-
-bool wasWarned(const std::string& part)
-{
-    const auto said = saidWarnings();
-    return std::any_of(said.begin(), said.end(), [&](const std::string& text) { return text.find(part) != text.npos; });
-}
-
 /// World position and normal of corner `corner` of an instance's first triangle.
 struct Corner {
     glm::vec3 position, normal;

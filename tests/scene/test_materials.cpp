@@ -33,18 +33,6 @@ json extensionOf(const std::string& name, const json& value)
     return {{"extensions", {{name, value}}}};
 }
 
-bool wasWarned(const std::string& part)
-{
-    const auto said = saidWarnings();
-    return std::any_of(said.begin(), said.end(), [&](const std::string& text) { return text.find(part) != text.npos; });
-}
-
-void expectNear(glm::vec3 a, glm::vec3 b, float tolerance = 1e-6f)
-{
-    EXPECT_LT(glm::length(a - b), tolerance)
-        << a.x << " " << a.y << " " << a.z << " not " << b.x << " " << b.y << " " << b.z;
-}
-
 /// Mean Fresnel reflectance under diffuse light from outside [Walsh 1926, as quoted by Duntley 1942].
 double diffuseReflectance(double n)
 {

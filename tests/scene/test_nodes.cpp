@@ -16,12 +16,6 @@ using nlohmann::json;
 
 namespace {
 
-void expectNear(glm::vec3 a, glm::vec3 b, float tolerance = 1e-5f)
-{
-    EXPECT_LT(glm::length(a - b), tolerance)
-        << a.x << " " << a.y << " " << a.z << " not " << b.x << " " << b.y << " " << b.z;
-}
-
 glm::vec3 transform(const glm::mat4& matrix, glm::vec3 point)
 {
     return glm::vec3(matrix * glm::vec4(point, 1));
