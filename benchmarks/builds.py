@@ -5,9 +5,9 @@
 
 OLD_BUILD and NEW_BUILD are build folders, the old one of another clone or worktree. The builds take turns (old, new,
 old, new ...), so that what else the machine does meets both; each turn is a process of its own. Before the first turn
-each build runs once uncounted, which fills the caches. A ratio is old time over new time of one pair: above 1 the new
-build is faster. Of the ratios the table has the geometric mean and, as spread, the factor of one standard error of that
-mean.
+each build runs once uncounted, which fills its own cache of kernels (BUILD/cache/mesa). A ratio is old time over new
+time of one pair: above 1 the new build is faster. Of the ratios the table has the geometric mean and, as spread, the
+factor of one standard error of that mean.
 
 Rows: `start`: making a renderer, warm caches; `second`: another one in the same process; `frame`: all passes (both of
 them CPU seconds of the process and wall time); one row a pass, by the device's timestamps.
@@ -63,7 +63,7 @@ def turn(build, case):
         sys.exit(f"builds.py: {build}: no build folder of restirpg: there is no {package}")
     done = subprocess.run(
         [sys.executable, __file__, "--measure", json.dumps(case)],
-        env={**os.environ, "PYTHONPATH": str(package)},
+        env={**os.environ, "PYTHONPATH": str(package), "MESA_SHADER_CACHE_DIR": str(package.parent / "cache/mesa")},
         capture_output=True,
         text=True,
     )

@@ -1,5 +1,7 @@
 #include "scene/energy_table.h"
 
+#include "scene/fresnel.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,25 +13,13 @@ namespace {
 using glm::dvec3;
 using glm::dvec4;
 
-/// Exact dielectric Fresnel, 1 under total internal reflection; `eta`: transmitted over incident index.
-double fresnel(double cosine, double eta)
-{
-    const double refracted2 = 1 - (1 - cosine * cosine) / (eta * eta);
-    if (refracted2 <= 0)
-        return 1;
-    const double refracted = std::sqrt(refracted2);
-    const double parallel = (eta * cosine - refracted) / (eta * cosine + refracted);
-    const double perpendicular = (cosine - eta * refracted) / (cosine + eta * refracted);
-    return 0.5 * (parallel * parallel + perpendicular * perpendicular);
-}
-
 /// How far from F0 to F90 the interface is; Schlick's weight where the index is infinite.
 double position(double cosine, double eta)
 {
     if (eta == 0)
         return std::pow(1 - cosine, 5);
     const double normal = std::pow((eta - 1) / (eta + 1), 2);
-    return (fresnel(cosine, eta) - normal) / (1 - normal);
+    return (fresnelDielectric(cosine, eta) - normal) / (1 - normal);
 }
 
 double smithLambda(double cosine, double alpha)

@@ -16,7 +16,7 @@ constexpr png_byte IGNORED_CHUNKS[] = "cHRM\0gAMA\0iCCP\0sRGB\0sBIT\0bKGD\0hIST\
                                       "eXIf\0oFFs\0pCAL\0sCAL";
 
 /// What libpng's callbacks see.
-struct Source {
+struct PngSource {
     std::span<const uint8_t> bytes;
     size_t position = 0;
     char message[200] = {};
@@ -24,7 +24,7 @@ struct Source {
 
 void keepError(png_structp png, png_const_charp message)
 {
-    auto& source = *static_cast<Source*>(png_get_error_ptr(png));
+    auto& source = *static_cast<PngSource*>(png_get_error_ptr(png));
     std::strncpy(source.message, message, sizeof source.message - 1);
     png_longjmp(png, 1);
 }
@@ -33,7 +33,7 @@ void ignoreWarning(png_structp, png_const_charp) {}
 
 void readSource(png_structp png, png_bytep bytes, size_t size)
 {
-    auto& source = *static_cast<Source*>(png_get_io_ptr(png));
+    auto& source = *static_cast<PngSource*>(png_get_io_ptr(png));
     if (size > source.bytes.size() - source.position)
         png_error(png, "the data ends too early");
     std::memcpy(bytes, source.bytes.data() + source.position, size);
@@ -42,7 +42,7 @@ void readSource(png_structp png, png_bytep bytes, size_t size)
 
 /// Owns libpng's structures.
 struct Decoder {
-    explicit Decoder(Source& source)
+    explicit Decoder(PngSource& source)
         : png(png_create_read_struct(PNG_LIBPNG_VER_STRING, &source, keepError, ignoreWarning)),
           info(png_create_info_struct(png))
     {
@@ -91,7 +91,7 @@ bool decompress(Decoder& decoder, const CheckSize& check, PngImage& image)
 PngImage decodePng(std::span<const uint8_t> encoded, const CheckSize& check)
 {
     PngImage image;
-    Source source{encoded};
+    PngSource source{encoded};
     Decoder decoder(source);
     image.valid = decompress(decoder, check, image);
     image.message = source.message;

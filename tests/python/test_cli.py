@@ -340,6 +340,15 @@ def test_a_graph_is_printed_in_order_and_for_graphviz():
     assert restirpg("graph", "graphs/path_tracer.py", "--dot")[1].startswith('digraph "Path tracer" {\n')
 
 
+@pytest.mark.parametrize(("width", "bits"), [(None, "128 bits"), ("256", "256 bits")])
+def test_lavapipe_has_narrow_vectors_unless_the_user_says_otherwise(width, bits):
+    environment = {name: value for name, value in os.environ.items() if name != "LP_NATIVE_VECTOR_WIDTH"}
+    environment |= {"LP_NATIVE_VECTOR_WIDTH": width} if width else {}
+    done = subprocess.run([PROGRAM, "devices"], env=environment, text=True, capture_output=True)
+    [lavapipe] = [line for line in done.stdout.splitlines() if "llvmpipe" in line]
+    assert bits in lavapipe
+
+
 def test_devices_are_listed():
     code, output, errors = restirpg("devices")
     assert (code, errors) == (0, "")
