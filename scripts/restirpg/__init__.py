@@ -7,6 +7,7 @@ use of one of its names: describing a graph must not need a GPU, a driver or a b
 
 import importlib
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from restirpg.denoising import denoise, have_denoiser
@@ -25,7 +26,7 @@ _folder = os.path.dirname(os.path.realpath(__file__))
 _root = os.path.dirname(os.path.dirname(_folder))  # of a clone, or share/restirpg of an installed tree
 _in_wheel = os.path.join(_folder, "share", "restirpg", "graphs")
 #: The folder of the graph files that come with the package.
-GRAPHS = _in_wheel if os.path.isdir(_in_wheel) else os.path.join(_root, "graphs")
+GRAPHS = Path(_in_wheel if os.path.isdir(_in_wheel) else os.path.join(_root, "graphs"))
 
 
 def _build_folders():

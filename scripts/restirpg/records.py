@@ -7,7 +7,6 @@ Shared.h.
 
 import functools
 import re
-from pathlib import Path
 
 import numpy as np
 
@@ -26,7 +25,7 @@ _VECTORS: dict[str, tuple[str, tuple[int, ...]]] = {
 @functools.cache
 def _headers():
     """The headers' text without comments. They are those that the framework was compiled with."""
-    root = Path(restirpg.GRAPHS).parent  # of a clone, or share/restirpg of an installed tree
+    root = restirpg.GRAPHS.parent  # of a clone, or share/restirpg of an installed tree
     folder = next(path for path in (root / "shaders", root / "framework" / "shaders") if path.is_dir())
     installed = root.parents[1] / "lib" / "restirpg" / "passes"
     passes = installed if installed.is_dir() else root / "passes"

@@ -91,6 +91,8 @@ def test_the_verdict_comes_first_in_one_sentence(finished):
 def test_the_verdict_is_short_where_nothing_is_told_apart(tmp_path):
     run = compare(tmp_path, "plain.json", "plain.json@label=a", "plain.json@label=b", size="16x16", frames=2, seeds=2)
     assert "No method is told apart from plain, in single frames or at equal time." in " ".join(run.stdout.split())
+    run = compare(tmp_path, "plain.json", "plain.json@label=a", size="16x16", frames=2, seeds=2)
+    assert ") a is not told apart from plain, in single frames or at equal time." in " ".join(run.stdout.split())
 
 
 def test_in_brief_there_is_a_verdict_and_one_table_of_80_columns(tmp_path):

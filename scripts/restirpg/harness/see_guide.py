@@ -42,9 +42,7 @@ def parse(arguments):
         required=True,
         help="a pixel; may be repeated",
     )
-    parser.add_argument(
-        "--graph", type=Path, default=Path(restirpg.GRAPHS) / "restir_pg.py", help="a graph with a guide"
-    )
+    parser.add_argument("--graph", type=Path, default=restirpg.GRAPHS / "restir_pg.py", help="a graph with a guide")
     parser.add_argument("--frames", type=program.positive, default=64, help="frames to learn from (%(default)s)")
     parser.add_argument("--size", type=program.size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
     parser.add_argument(

@@ -236,10 +236,8 @@ def verdict_sentence(scene):
     who = f"{others[0].label} is not" if len(others) == 1 else "no method is"
     if not any(found.values()):
         text = f"{who} told apart from {baseline.label}, {' or '.join(found)}"
-    else:
-        text = "; ".join(
-            f"{words}, {said or f'{who} told apart from {baseline.label}'}" for words, said in found.items()
-        )
+        return (text if len(others) == 1 else text[0].upper() + text[1:]) + "."  # a method's label keeps its case
+    text = "; ".join(f"{words}, {said or f'{who} told apart from {baseline.label}'}" for words, said in found.items())
     return text[0].upper() + text[1:] + "."
 
 

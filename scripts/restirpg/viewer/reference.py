@@ -1,8 +1,6 @@
 """What the errors of the graphs in view are measured against: an image of the scene's own camera, or the mean of a path
 tracer that is rendered beside the graphs while the camera rests."""
 
-from pathlib import Path
-
 import restirpg
 
 SOURCES = ("none", "file", "traced")
@@ -33,7 +31,7 @@ class Reference:
     def use(self, source):
         """One of SOURCES; the path tracer is made when it is first asked for."""
         if source == "traced" and self._renderer is None:
-            graph = restirpg.load_graph(Path(restirpg.GRAPHS) / "path_tracer.py")
+            graph = restirpg.load_graph(restirpg.GRAPHS / "path_tracer.py")
             self._renderer = restirpg.Renderer(self._scene, graph, size=self._size, seed=_SEED, **self._options)
         self.source, self._view = source, None
 

@@ -28,7 +28,7 @@ SIZE = "1920x1080"
 
 def graph_file(name):
     """Of the graphs that come with the package."""
-    return str(Path(restirpg.GRAPHS) / f"{name}.py")
+    return str(restirpg.GRAPHS / f"{name}.py")
 
 
 def fixed_options():
