@@ -345,8 +345,10 @@ def test_lavapipe_has_narrow_vectors_unless_the_user_says_otherwise(width, bits)
     environment = {name: value for name, value in os.environ.items() if name != "LP_NATIVE_VECTOR_WIDTH"}
     environment |= {"LP_NATIVE_VECTOR_WIDTH": width} if width else {}
     done = subprocess.run([PROGRAM, "devices"], env=environment, text=True, capture_output=True)
-    [lavapipe] = [line for line in done.stdout.splitlines() if "llvmpipe" in line]
-    assert bits in lavapipe
+    lavapipe = [line for line in done.stdout.splitlines() if "llvmpipe" in line]
+    if not lavapipe:
+        pytest.skip("no lavapipe among the devices")
+    assert bits in lavapipe[0]
 
 
 def test_devices_are_listed():
