@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <utility>
 
 namespace restirpg {
 namespace {
@@ -80,8 +81,13 @@ Features::Features()
 
 void Features::chainRayQuery()
 {
-    vulkan12.pNext = &accelerationStructure;
+    rayQuery.pNext = std::exchange(core.pNext, &accelerationStructure);
     accelerationStructure.pNext = &rayQuery;
+}
+
+void Features::chainShaderObject()
+{
+    shaderObject.pNext = std::exchange(core.pNext, &shaderObject);
 }
 
 const std::vector<const char*>& rayQueryExtensions()
@@ -106,13 +112,14 @@ DeviceDescription describeDevice(VkPhysicalDevice physical)
         description.missing.push_back("Vulkan 1.2");
         return description;
     }
-    const bool extensions = hasExtensions(physical, rayQueryExtensions());
     Features features;
-    if (extensions)
+    if (hasExtensions(physical, rayQueryExtensions()))
         features.chainRayQuery();
+    if (hasExtensions(physical, {VK_EXT_SHADER_OBJECT_EXTENSION_NAME}))
+        features.chainShaderObject();
     vkGetPhysicalDeviceFeatures2(physical, &features.core);
-    description.rayQuery =
-        extensions && features.accelerationStructure.accelerationStructure && features.rayQuery.rayQuery;
+    description.rayQuery = features.accelerationStructure.accelerationStructure && features.rayQuery.rayQuery;
+    description.shaderObject = features.shaderObject.shaderObject;
     for (const auto& feature : requiredFeatures())
         if (!feature.get(features))
             description.missing.push_back(feature.name);
@@ -121,7 +128,7 @@ DeviceDescription describeDevice(VkPhysicalDevice physical)
     return description;
 }
 
-void enableFeatures(Features& features, bool rayQuery)
+void enableFeatures(Features& features, bool rayQuery, bool shaderObject)
 {
     for (const auto& feature : requiredFeatures())
         feature.enable(features);
@@ -129,6 +136,10 @@ void enableFeatures(Features& features, bool rayQuery)
         features.chainRayQuery();
         features.accelerationStructure.accelerationStructure = VK_TRUE;
         features.rayQuery.rayQuery = VK_TRUE;
+    }
+    if (shaderObject) {
+        features.chainShaderObject();
+        features.shaderObject.shaderObject = VK_TRUE;
     }
 }
 

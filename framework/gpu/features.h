@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gpu/device.h"
+#include "gpu/shader_object.h"
 
 namespace restirpg {
 
@@ -17,16 +18,19 @@ struct Features {
     VkPhysicalDeviceAccelerationStructureFeaturesKHR accelerationStructure{
         VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
     VkPhysicalDeviceRayQueryFeaturesKHR rayQuery{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};
+    VkPhysicalDeviceShaderObjectFeaturesEXT shaderObject{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_OBJECT_FEATURES_EXT,
+                                                         nullptr, VK_FALSE};
 
     /// Link the ray query structs into the chain.
     void chainRayQuery();
+    void chainShaderObject();
 };
 
-/// Name, driver, type, ray query support and missing features of a physical device.
+/// Name, driver, type, support of extensions and missing features of a physical device.
 DeviceDescription describeDevice(VkPhysicalDevice physical);
 
 /// Turn on exactly what restirpg needs (describeDevice said it is there).
-void enableFeatures(Features& features, bool rayQuery);
+void enableFeatures(Features& features, bool rayQuery, bool shaderObject);
 
 /// Device extensions of the ray query back end.
 const std::vector<const char*>& rayQueryExtensions();

@@ -57,7 +57,7 @@ void Kernel::dispatch(VkCommandBuffer commands, const void* parameters, uint32_t
 {
     const Pipeline& compiled = pipeline();
     const LocalSize& size = compiled.groupSize();
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, compiled.handle());
+    compiled.bind(commands);
     vkCmdPushConstants(commands, device_->pipelineLayout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, parameterBytes, parameters);
     const auto groups = [](uint32_t invocations, uint32_t size) { return (invocations + size - 1) / size; };
     vkCmdDispatch(commands, groups(width, size.x), groups(height, size.y), groups(depth, size.z));

@@ -167,6 +167,14 @@ Backend chooseBackend(const DeviceDescription& device, const std::string& wanted
     return device.rayQuery && device.type != "CPU" ? Backend::rayQuery : Backend::software;
 }
 
+/// On lavapipe, where they make a start faster. Drivers of GPUs keep compiled pipelines themselves. The validation
+/// layer knows them from 1.3.246 on; an older one takes a dispatch for one without a kernel.
+bool usesShaderObjects(const DeviceDescription& device, Backend backend, bool validated)
+{
+    return device.shaderObject && device.type == "CPU" && backend == Backend::software && !validated &&
+           !std::getenv("VK_INSTANCE_LAYERS");
+}
+
 void refuseIncomplete(const DeviceDescription& device)
 {
     if (device.missing.empty())
@@ -188,10 +196,15 @@ uint32_t computeQueueFamily(VkPhysicalDevice physical)
     fail("the device has no compute queue with timestamps; choose another (`restirpg devices`)");
 }
 
-VkDevice createLogicalDevice(VkPhysicalDevice physical, uint32_t family, bool rayQuery)
+VkDevice createLogicalDevice(VkPhysicalDevice physical, uint32_t family, bool rayQuery, bool shaderObjects)
 {
     Features features;
-    enableFeatures(features, rayQuery);
+    enableFeatures(features, rayQuery, shaderObjects);
+    std::vector<const char*> extensions;
+    if (rayQuery)
+        extensions = rayQueryExtensions();
+    if (shaderObjects)
+        extensions.push_back(VK_EXT_SHADER_OBJECT_EXTENSION_NAME);
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
     queue.queueFamilyIndex = family;
@@ -200,10 +213,8 @@ VkDevice createLogicalDevice(VkPhysicalDevice physical, uint32_t family, bool ra
     VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features.core};
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
-    if (rayQuery) {
-        info.enabledExtensionCount = uint32_t(rayQueryExtensions().size());
-        info.ppEnabledExtensionNames = rayQueryExtensions().data();
-    }
+    info.enabledExtensionCount = uint32_t(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
     VkDevice device;
     check(vkCreateDevice(physical, &info, nullptr, &device), "vkCreateDevice");
     return device;
@@ -293,9 +304,7 @@ LogicalDevice::LogicalDevice(const LogicalDevice& original)
     : description_(original.description_), backend_(original.backend_), physical_(original.physical_),
       queueFamily_(original.queueFamily_)
 {
-    device_ = createLogicalDevice(physical_, queueFamily_, backend_ == Backend::rayQuery);
-    vkGetDeviceQueue(device_, queueFamily_, 0, &queue_);
-    createLayouts();
+    createDevice(bool(original.shaderObjects_));
 }
 
 LogicalDevice::~LogicalDevice()
@@ -327,8 +336,15 @@ void LogicalDevice::create(const DeviceOptions& options)
     refuseIncomplete(description_);
     backend_ = chooseBackend(description_, options.backend);
     queueFamily_ = computeQueueFamily(physical_);
-    device_ = createLogicalDevice(physical_, queueFamily_, backend_ == Backend::rayQuery);
+    createDevice(usesShaderObjects(description_, backend_, validated_));
+}
+
+void LogicalDevice::createDevice(bool shaderObjects)
+{
+    device_ = createLogicalDevice(physical_, queueFamily_, backend_ == Backend::rayQuery, shaderObjects);
     vkGetDeviceQueue(device_, queueFamily_, 0, &queue_);
+    if (shaderObjects)
+        shaderObjects_ = ShaderObjects(device_);
     createLayouts();
 }
 

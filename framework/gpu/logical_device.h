@@ -33,6 +33,7 @@ struct DeviceDescription {
     std::string driver;  ///< name and version
     std::string type;  ///< "discrete GPU", "integrated GPU", "virtual GPU", "CPU"
     bool rayQuery = false;
+    bool shaderObject = false;  ///< VK_EXT_shader_object
     std::vector<std::string> missing;  ///< required features it lacks; empty: usable
 };
 
@@ -63,6 +64,8 @@ public:
     VkDescriptorSetLayout setLayout() const { return setLayout_; }
     double timestampPeriod() const { return timestampPeriod_; }  ///< ns a tick
 
+    const ShaderObjects& shaderObjects() const { return shaderObjects_; }  ///< what kernels are, if any
+
     PipelineCache& pipelines() { return pipelines_; }
     void setName(uint64_t handle, VkObjectType type, const std::string& name) const;
     void submit(const VkSubmitInfo& work, VkFence fence);
@@ -73,6 +76,7 @@ public:
 
 private:
     void create(const DeviceOptions& options);
+    void createDevice(bool shaderObjects);
     void createLayouts();
     void destroy();
 
@@ -89,6 +93,7 @@ private:
     VkDescriptorSetLayout setLayout_ = VK_NULL_HANDLE;
     VkPipelineLayout pipelineLayout_ = VK_NULL_HANDLE;
     double timestampPeriod_ = 1;
+    ShaderObjects shaderObjects_;
     PipelineCache pipelines_{*this};
     mutable std::mutex messageMutex_;
     std::vector<std::string> messages_;

@@ -1,7 +1,8 @@
-// Compute pipelines, each made once in a process and shared by all kernels of the same SPIR-V.
+// Kernels as the driver holds them, each made once in a process and shared by all of the same SPIR-V.
 #pragma once
 
 #include "gpu/shader.h"
+#include "gpu/shader_object.h"
 
 #include <volk.h>
 
@@ -13,20 +14,26 @@ namespace restirpg {
 
 class LogicalDevice;
 
+/// A compute pipeline, or a shader object where the device has those (LogicalDevice::shaderObjects).
 class Pipeline {
 public:
-    /// `device` must outlive it.
+    /// `device` must outlive it. `name` is for debuggers.
     Pipeline(const LogicalDevice& device, const Spirv& spirv, const std::string& name);
     ~Pipeline();
     Pipeline(const Pipeline&) = delete;
     Pipeline& operator=(const Pipeline&) = delete;
 
-    VkPipeline handle() const { return handle_; }
+    void bind(VkCommandBuffer commands) const;
     const LocalSize& groupSize() const { return groupSize_; }
 
 private:
-    VkDevice device_;
-    VkPipeline handle_ = VK_NULL_HANDLE;
+    void makeShader(const Spirv& spirv);
+    void makePipeline(const Spirv& spirv, const std::string& name);
+
+    const LogicalDevice& device_;
+    // One of the two.
+    VkShaderEXT shader_ = VK_NULL_HANDLE;
+    VkPipeline pipeline_ = VK_NULL_HANDLE;
     LocalSize groupSize_;
 };
 
@@ -35,7 +42,6 @@ class PipelineCache {
 public:
     explicit PipelineCache(const LogicalDevice& device) : device_(device) {}
 
-    /// The pipeline of this SPIR-V; `name` is for debuggers.
     std::shared_ptr<const Pipeline> get(const Spirv& spirv, const std::string& name);
     void clear() { pipelines_.clear(); }
 

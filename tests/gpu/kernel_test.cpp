@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <numeric>
 #include <span>
 
 #include <unistd.h>
@@ -35,11 +36,11 @@ struct Folder {
         std::ofstream(path / name) << text;
         return path / name;
     }
-    std::vector<fs::path> cached() const
+    std::vector<fs::path> cached(const std::string& kind = "spirv") const
     {
         std::vector<fs::path> files;
-        if (fs::exists(path / "cache/spirv"))
-            for (const auto& entry : fs::directory_iterator(path / "cache/spirv"))
+        if (fs::exists(path / "cache" / kind))
+            for (const auto& entry : fs::directory_iterator(path / "cache" / kind))
                 files.push_back(entry.path());
         return files;
     }
@@ -63,17 +64,76 @@ TEST(Kernel, OneOfEachSpirvInAProcess)
     const auto same = folder.write("b.comp", "// other text\n" + kernelOfSize("8"));
     const auto other = folder.write("c.comp", kernelOfSize("16"));
     const DeviceOptions options{.device = testDevice(), .validation = true};
-    const VkPipeline pipeline = [&] {
+    const Pipeline* const pipeline = [&] {
         Device first(options);
         const Kernel kernel(first, file);
         first.finishKernels();
-        return kernel.pipeline().handle();
+        return &kernel.pipeline();
     }();
     Device second(options);
-    EXPECT_EQ(Kernel(second, file).pipeline().handle(), pipeline);
-    EXPECT_EQ(Kernel(second, same).pipeline().handle(), pipeline);
-    EXPECT_NE(Kernel(second, other).pipeline().handle(), pipeline);
+    EXPECT_EQ(&Kernel(second, file).pipeline(), pipeline);
+    EXPECT_EQ(&Kernel(second, same).pipeline(), pipeline);
+    EXPECT_NE(&Kernel(second, other).pipeline(), pipeline);
     EXPECT_EQ(Kernel(second, other).pipeline().groupSize().x, 16u);
+}
+
+/// A logical device of its own without validation, which is on for the other tests.
+std::shared_ptr<LogicalDevice> unvalidatedDevice()
+{
+    const char* set = std::getenv("RESTIRPG_VALIDATION");
+    const std::string before = set ? set : "";
+    unsetenv("RESTIRPG_VALIDATION");
+    auto device = std::make_shared<LogicalDevice>(DeviceOptions{.device = testDevice()});
+    if (set)
+        setenv("RESTIRPG_VALIDATION", before.c_str(), 1);
+    return device;
+}
+
+/// What a kernel writes that numbers its invocations from 7.
+std::vector<uint32_t> numbersOf(const std::shared_ptr<LogicalDevice>& logical, const fs::path& file)
+{
+    std::vector<uint32_t> numbers(16);
+    Device device(logical);
+    const Buffer results = device.createBuffer(numbers.size() * sizeof(uint32_t), "numbers");
+    const Kernel kernel(device, file);
+    const VkDeviceAddress address = results.address();
+    device.submit([&](VkCommandBuffer commands) {
+        kernel.dispatch(commands, &address, sizeof(address), uint32_t(numbers.size()));
+    });
+    device.download(results, numbers.data(), numbers.size() * sizeof(uint32_t));
+    return numbers;
+}
+
+TEST(Kernel, AShaderObjectIsKeptAndMadeAnewWhereItsBinaryIsNotTheDrivers)
+{
+    const Folder folder;
+    const auto file =
+        folder.write("numbers.comp", "#extension GL_EXT_buffer_reference : require\n"
+                                     "layout(local_size_x = 8) in;\n"
+                                     "layout(buffer_reference, std430) buffer Numbers { uint at[]; };\n"
+                                     "layout(push_constant) uniform Push { Numbers numbers; };\n"
+                                     "void main() { uint i = gl_GlobalInvocationID.x; numbers.at[i] = 7u + i; }\n");
+    std::vector<uint32_t> expected(16);
+    std::iota(expected.begin(), expected.end(), 7u);
+    if (!unvalidatedDevice()->shaderObjects())
+        GTEST_SKIP() << "NOT TESTED: this device has no shader objects (VK_EXT_shader_object), or makes no use of them";
+
+    EXPECT_EQ(numbersOf(unvalidatedDevice(), file), expected);
+    ASSERT_EQ(folder.cached("binary").size(), 1u);
+    const fs::path binary = folder.cached("binary").front();
+    const auto kept = readCacheFile(binary);
+    ASSERT_TRUE(kept);
+    const auto written = fs::last_write_time(binary);
+    EXPECT_EQ(numbersOf(unvalidatedDevice(), file), expected);
+    EXPECT_EQ(fs::last_write_time(binary), written) << "was not taken from there";
+
+    for (const auto& other : {bytesOf("no binary of any driver"), std::vector(kept->begin() + 1, kept->end())}) {
+        writeCacheFile(binary, other);
+        EXPECT_EQ(numbersOf(unvalidatedDevice(), file), expected);
+        EXPECT_EQ(readCacheFile(binary), kept) << "was not written anew";
+    }
+    EXPECT_EQ(numbersOf(LogicalDevice::get({.device = testDevice(), .validation = true}), file), expected);
+    EXPECT_EQ(folder.cached("binary").size(), 1u) << "validation layers get a pipeline";
 }
 
 TEST(Kernel, TheFirstMistakeIsThrownWithItsPlaceByFinishKernels)

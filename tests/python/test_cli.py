@@ -351,6 +351,22 @@ def test_lavapipe_has_narrow_vectors_unless_the_user_says_otherwise(width, bits)
     assert bits in lavapipe[0]
 
 
+def test_pictures_are_the_same_with_validation_and_without(scene, tmp_path):
+    """With it kernels are pipelines, which the other tests render with; without it they are shader objects on
+    lavapipe, from SPIR-V in the first process and from their kept binaries in the second."""
+    pictures = []
+    for validation in ("1", "0", "0"):
+        environment = {**os.environ, "RESTIRPG_VALIDATION": validation, "RESTIRPG_CACHE_DIR": str(tmp_path / "cache")}
+        command = ["render", "graphs/restir_pg.py", "--scene", scene, "--size", "24x16", "--frames", "3"]
+        command = [PROGRAM, *map(str, command), "-o", tmp_path / "a.exr"]
+        subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, timeout=600, check=True)
+        pictures.append((tmp_path / "a.exr").read_bytes())
+    assert pictures[1] == pictures[0]
+    assert pictures[2] == pictures[0]
+    if "llvmpipe" in restirpg("devices")[1].splitlines()[1]:
+        assert len(list((tmp_path / "cache" / "binary").iterdir())) == 14  # one per kernel of restir_pg
+
+
 def test_devices_are_listed():
     code, output, errors = restirpg("devices")
     assert (code, errors) == (0, "")
