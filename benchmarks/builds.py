@@ -2,8 +2,10 @@
 """Compare two builds of the renderer: start-up, frames and passes, interleaved, as ratios with their spread.
 
     benchmarks/builds.py OLD_BUILD NEW_BUILD [--pairs 5] [--graphs ...] [--scenes ...] [--size 160x90] [--frames 8]
+                         [--csv FILE]
 
-OLD_BUILD and NEW_BUILD are build folders, the old one of another clone or worktree. The builds take turns (old, new,
+OLD_BUILD and NEW_BUILD are build folders, the old one of another clone or worktree. A graph of this repository is read
+from the clone that a build lies in, since ports and knobs may have other names there. The builds take turns (old, new,
 old, new ...), so that what else the machine does meets both; each turn is a process of its own. Before the first turn
 each build runs once uncounted, which fills its own cache of kernels (BUILD/cache/mesa). A ratio is old time over new
 time of one pair: above 1 the new build is faster. Of the ratios the table has the geometric mean and, as spread, the
@@ -14,6 +16,7 @@ them CPU seconds of the process and wall time); one row a pass, by the device's 
 """
 
 import argparse
+import csv
 import json
 import math
 import os
@@ -56,8 +59,15 @@ def measure(graph, scene, size, frames):
     return rows
 
 
+def graph_of(build, graph):
+    """The file of that name among the graphs of the build's own clone; any other graph as it is."""
+    own = Path(build).resolve().parent / "graphs" / Path(graph).name
+    return str(own) if Path(graph).resolve().parent == ROOT / "graphs" and own.is_file() else graph
+
+
 def turn(build, case):
     """One measurement in a process of its own."""
+    case = {**case, "graph": graph_of(build, case["graph"])}
     package = Path(build) / "python"
     if not package.is_dir():
         sys.exit(f"builds.py: {build}: no build folder of restirpg: there is no {package}")
@@ -99,12 +109,14 @@ def main():
     parser.add_argument("--scenes", nargs="+", default=[str(ROOT / "out/scenes/door_ajar.glb")])
     parser.add_argument("--size", default="160x90")
     parser.add_argument("--frames", type=int, default=8)
+    parser.add_argument("--csv", help="write all rows there")
     options = parser.parse_args()
     if options.pairs < 1 or options.frames < 1:
         parser.error("--pairs and --frames are at least 1")
     size = [int(side) for side in options.size.split("x")] if options.size.count("x") == 1 else []
     if len(size) != 2:
         parser.error(f"--size {options.size}: write WIDTHxHEIGHT, as in 160x90")
+    table = [("graph", "scene", "size", "row", "pairs", "old_ms", "new_ms", "ratio", "spread")]
     for graph in options.graphs:
         for scene in options.scenes:
             case = {"graph": graph, "scene": scene, "size": size, "frames": options.frames}
@@ -114,7 +126,12 @@ def main():
             print(f"\n{Path(graph).stem}, {Path(scene).stem}, {options.size}, {options.pairs} pairs\n")
             print("| | old, ms | new, ms | old / new | spread |\n| --- | --- | --- | --- | --- |")
             for name, old, new, ratio, spread in compare(pairs):
+                case_columns = (Path(graph).stem, Path(scene).stem, options.size, name, options.pairs)
+                table.append((*case_columns, f"{old:.4g}", f"{new:.4g}", f"{ratio:.3f}", f"{spread:.3f}"))
                 print(f"| {name} | {old:.4g} | {new:.4g} | {ratio:.2f} | x/ {spread:.3f} |", flush=True)
+    if options.csv:
+        with open(options.csv, "w", newline="") as stream:
+            csv.writer(stream, lineterminator="\n").writerows(table)
 
 
 if __name__ == "__main__":

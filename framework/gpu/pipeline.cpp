@@ -148,7 +148,7 @@ std::shared_ptr<const Pipeline> PipelineCache::get(const Spirv& spirv, const std
         // Kernels of the other back end want an acceleration structure bound.
         if (device_.isCpu() && device_.backend() == Backend::software)
             compileAhead(device_, spirv);
-        const auto made = std::make_shared<const Pipeline>(device_, spirv, name);
+        auto made = std::make_shared<const Pipeline>(device_, spirv, name);
         promise.set_value(made);
         return made;
     } catch (...) {

@@ -5,8 +5,7 @@
 namespace restirpg {
 
 ShaderObjects::ShaderObjects(VkDevice device)
-    : device_(device),
-      create_(PFN_vkCreateShadersEXT(vkGetDeviceProcAddr(device, "vkCreateShadersEXT"))),
+    : device_(device), create_(PFN_vkCreateShadersEXT(vkGetDeviceProcAddr(device, "vkCreateShadersEXT"))),
       destroy_(PFN_vkDestroyShaderEXT(vkGetDeviceProcAddr(device, "vkDestroyShaderEXT"))),
       getBinaryData_(PFN_vkGetShaderBinaryDataEXT(vkGetDeviceProcAddr(device, "vkGetShaderBinaryDataEXT"))),
       cmdBind_(PFN_vkCmdBindShadersEXT(vkGetDeviceProcAddr(device, "vkCmdBindShadersEXT")))

@@ -83,7 +83,7 @@ glm::mat4 fromRows(const std::vector<float>& rows)
     glm::mat4 matrix;
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 4; ++column)
-            matrix[column][row] = rows[size_t(4 * row + column)];
+            matrix[column][row] = rows[size_t(row) * 4 + size_t(column)];
     return matrix;
 }
 

@@ -19,7 +19,7 @@ import time
 from pathlib import Path
 
 from restirpg import commands
-from restirpg.harness import UserError, analysis, csv_files, files, printed, program, render, report, selftest
+from restirpg.harness import UserError, analysis, csv_files, files, printed, program, render, selftest
 from restirpg.harness.comparison import PATH_TRACER, Comparison, Settings
 from restirpg.harness.jobs import made_from, parse_method
 from restirpg.harness.motion import Motion
@@ -160,6 +160,8 @@ def compare(options, cache, pool, display):
     out = Path(options.out)
     inputs = [settings.reference, settings.environment, settings.reference_graph, *settings.scenes]
     files.refuse_inputs_among([*inputs, *(method.graph for method in settings.methods)], out, OUTPUTS)
+    from restirpg.harness import report  # here, since matplotlib takes a second: --help and mistakes need none of it
+
     comparison = Comparison(settings, cache, pool, display)
     comparison.prepare()
     for device in dict.fromkeys(

@@ -17,7 +17,7 @@ import numpy as np
 from scipy import stats
 
 from restirpg.harness.jobs import seed_of
-from restirpg.harness.statistics import LEVEL, Test, block_means, luminance
+from restirpg.harness.statistics import LEVEL, Test, block_means, luminance, t_quantile, t_two_sided
 
 BLOCK = 4  # pixels, the edge of a block
 ROUNDING = 1e-6  # relative, of a block mean in single precision: a standard error where runs do not vary
@@ -131,8 +131,8 @@ def compare(samples, reference, tests=1, block=BLOCK):
         runs=runs,
         z=z.ravel(),
         plain_z=(differences.mean(0) / plain)[noisy],
-        limit=float(stats.t.ppf(1 - LEVEL / 2 / count, runs - 1)),
-        image=Test(float(means.mean() - 1), float(se), runs - 1, float(2 * stats.t.sf(score, runs - 1))),
+        limit=float(t_quantile(1 - LEVEL / 2 / count, runs - 1)),
+        image=Test(float(means.mean() - 1), float(se), runs - 1, float(t_two_sided(score, runs - 1))),
         detectable_block=typical.smallest_detectable(count),
         tests=tests,
     )
