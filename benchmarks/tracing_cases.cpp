@@ -107,12 +107,12 @@ void registerTracing(const Cases& cases)
         const std::string stem = std::filesystem::path(scene).stem().string();
         for (const auto& [kind, name] : KINDS)
             add(fmt::format("trace/{}/embree/{}", name, stem),
-                [=](benchmark::State& state) { runEmbree(state, scene, kind); });
+                [=, kind = kind](benchmark::State& state) { runEmbree(state, scene, kind); });
         for (const auto& backend : cases.backends) {
             const DeviceOptions options{.device = cases.device, .backend = backend};
             for (const auto& [kind, name] : KINDS)
                 add(fmt::format("trace/{}/{}/{}", name, backend, stem),
-                    [=](benchmark::State& state) { runDevice(state, scene, options, kind); });
+                    [=, kind = kind](benchmark::State& state) { runDevice(state, scene, options, kind); });
         }
     }
 }

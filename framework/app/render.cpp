@@ -138,7 +138,7 @@ std::string chooseOutput(Graph& graph, RenderOptions& options)
     for (const auto& output : graph.outputs())
         if (portOf(graph, output).type.channels > 0)
             images.push_back(output.name);
-    const std::string chosen = options.outputs.empty() ? graph.outputs().front().name : options.outputs.front();
+    std::string chosen = options.outputs.empty() ? graph.outputs().front().name : options.outputs.front();
     for (const auto& output : graph.outputs()) {
         const auto& type = portOf(graph, output).type;
         const bool asked = std::count(options.outputs.begin(), options.outputs.end(), output.name) > 0;

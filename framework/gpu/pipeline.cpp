@@ -9,7 +9,6 @@
 #include <array>
 #include <cstdlib>
 #include <span>
-#include <utility>
 
 namespace restirpg {
 namespace {
@@ -93,15 +92,18 @@ void Pipeline::makeShader(const Spirv& spirv)
         shader_ = objects.make(VK_SHADER_CODE_TYPE_BINARY_EXT, *kept);
     if (shader_)
         return;
-    shader_ = objects.make(VK_SHADER_CODE_TYPE_SPIRV_EXT, std::as_bytes(std::span(spirv)));
-    if (file.empty())
-        return;
-    // Made again from its binary, as later starts do: lavapipe keeps machine code under a name that differs between the
-    // two.
-    const auto binary = objects.binary(shader_);
-    objects.destroy(std::exchange(shader_, VK_NULL_HANDLE));
-    writeCacheFile(file, binary);
-    shader_ = objects.make(VK_SHADER_CODE_TYPE_BINARY_EXT, binary);
+    const VkShaderEXT translated = objects.make(VK_SHADER_CODE_TYPE_SPIRV_EXT, std::as_bytes(std::span(spirv)));
+    if (!file.empty()) {
+        // Made again from its binary, as later starts do: lavapipe keeps machine code under a name that differs between
+        // the two.
+        const auto binary = objects.binary(translated);
+        writeCacheFile(file, binary);
+        shader_ = objects.make(VK_SHADER_CODE_TYPE_BINARY_EXT, binary);
+    }
+    if (shader_)
+        objects.destroy(translated);
+    else
+        shader_ = translated;
 }
 
 void Pipeline::makePipeline(const Spirv& spirv, const std::string& name)

@@ -194,7 +194,7 @@ Spirv compileShader(const fs::path& given, const Defines& defines, const Include
     if (!cached.empty())
         if (auto words = readCached(cached); !words.empty())
             return words;
-    const Spirv words = translate(file, preamble, includes);
+    Spirv words = translate(file, preamble, includes);
     if (!cached.empty())
         writeCacheFile(cached, std::as_bytes(std::span(words)));
     return words;

@@ -30,7 +30,7 @@ struct Shape {
     int skin = -1;
     int node = -1;  ///< with a skin: the node, whose matrix places the primitives without joints
 
-    auto operator<=>(const Shape&) const = default;
+    auto operator<=>(const Shape&) const = default;  // NOLINT(modernize-use-nullptr): its 0 is clang-tidy 14's own
 };
 
 /// A skin in its rest pose.

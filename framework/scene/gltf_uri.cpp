@@ -97,7 +97,7 @@ std::vector<uint8_t> Resources::readData(const std::string& uri, const std::stri
 fs::path Resources::resolve(std::string_view name, const std::string& place) const
 {
     std::error_code error;
-    const auto path = fs::weakly_canonical(folder_ / fs::path(name), error);
+    auto path = fs::weakly_canonical(folder_ / fs::path(name), error);
     if (error || name.empty() || name.find('\0') != name.npos)
         fail("{}: {}: '{}' names no file; put the file beside the scene", scene_.string(), place, printable(name));
     if (!allowOutside_ && !isWithin(folder_, path))

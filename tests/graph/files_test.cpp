@@ -260,7 +260,7 @@ TEST_F(PluginLibraries, ABrokenOneIsAMistakeOfTheGraphThatAsksForIt)
 {
     write("g.py", IMPORT + "graph = Graph('G')\ngraph.output('image', graph.add('a', 'Empty').mean)\n");
     try {
-        Graph(readGraphFile("g.py"), Plugins());
+        const Graph graph(readGraphFile("g.py"), Plugins());
         FAIL() << "a broken plugin was accepted";
     } catch (const Error& error) {
         EXPECT_EQ(std::string(error.what()),

@@ -106,7 +106,8 @@ TEST_F(Hdr, HeadersThatMakeNoSenseAreOneLine)
              {"\n-Y 1 +Y 1\n", "the resolution line"},
              {"\n-Y -1 +X 1\n", "the image is empty (1x0)"},
              {"\n-Y 99999 +X 1\n", "the header claims 1x99999 pixels"}}) {
-        const std::string error = errorOf([&] { readWhole("#?RADIANCE\n" + lines + PIXEL); });
+        const std::string text = "#?RADIANCE\n" + lines + PIXEL;
+        const std::string error = errorOf([&] { readWhole(text); });
         EXPECT_TRUE(contains(error, "a.hdr: cannot read: " + message)) << error;
     }
 }
@@ -140,8 +141,10 @@ TEST_F(Hdr, CodedRowsMixRunsAndLiterals)
 TEST_F(Hdr, AFileOfAnotherWriterIsReadWithinItsPrecision)
 {
     Image image{40, 30, 3, {}};
-    for (uint32_t i = 0; i < 3600; ++i)
-        image.data.push_back(float(i / 300) * 0.7f + 0.01f * float(i % 3));
+    for (uint32_t i = 0; i < 3600; ++i) {
+        const uint32_t step = i / 300;
+        image.data.push_back(float(step) * 0.7f + 0.01f * float(i % 3));
+    }
     stbi_write_hdr((folder_ / "a.hdr").c_str(), 40, 30, 3, image.data.data());
     const Image read = readHdr(folder_ / "a.hdr");
     ASSERT_EQ(read.data.size(), image.data.size());

@@ -173,7 +173,7 @@ std::string errorOf(const std::function<void()>& run)
     try {
         run();
     } catch (const Error& error) {
-        const std::string message = error.what();
+        std::string message = error.what();
         EXPECT_EQ(message.find('\n'), message.npos) << message;
         EXPECT_GT(message.size(), 20u) << message;
         return message;

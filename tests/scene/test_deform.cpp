@@ -79,8 +79,8 @@ TEST(Skins, InverseBindMatricesAndTheJointsParentsCount)
     square.builder.json["scenes"][0]["nodes"] = json::array();
     square.builder.addNode({{"children", {0, 1}}, {"rotation", {0, 0, std::sqrt(0.5), std::sqrt(0.5)}}});
     std::vector<float> inverse(32, 0.0f);
-    for (int i = 0; i < 8; ++i)
-        inverse[size_t(16 * (i / 4) + 5 * (i % 4))] = 1;
+    for (size_t i = 0; i < 8; ++i)
+        inverse[16 * (i / 4) + 5 * (i % 4)] = 1;
     inverse[12] = inverse[28] = -1;  // translation by -1 along x
     square.builder.json["skins"][0]["inverseBindMatrices"] =
         square.builder.addAccessorJson({{"bufferView", square.builder.addView(inverse.data(), inverse.size() * 4)},

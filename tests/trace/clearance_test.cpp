@@ -168,9 +168,9 @@ TEST_P(ClearanceTest, NothingStandsBetweenTwoSurfacesThatFaceEachOther)
     Quads quads;
     for (int i = 0; i < PAIRS; ++i) {
         // Pairs lie far apart, in layers of their own.
-        const glm::mat4 there = glm::translate(glm::mat4(1), glm::vec3(0, 0, 1000.0f * float(i % 10) - 5000.0f) +
-                                                                 glm::vec3(1000.0f * float(i / 10) - 10000.0f, 0, 0)) *
-                                randomTurn();
+        const int row = i / 10, layer = i % 10;
+        const glm::vec3 place(1000.0f * float(row) - 10000.0f, 0, 1000.0f * float(layer) - 5000.0f);
+        const glm::mat4 there = glm::translate(glm::mat4(1), place) * randomTurn();
         const float size = std::pow(10.0f, uniform(-2, 1.5f)), gap = std::pow(10.0f, uniform(-1, 2));
         quads.add(glm::scale(glm::mat4(1), glm::vec3(size)), there);
         // lavapipe's ray query finds a far triangle seen edge-on at any of its depths.

@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""Error over wall time, ours against Mitsuba 3's `path`: whole processes, start, loading and compiling included.
+
+    error_over_time.py SCENE.glb --size 160x90 --bounces 4 --mitsuba-python VENV/bin/python --csv FILE
+                       [--samples 4 16 64 256] [--seeds 2] [--references FOLDER] [--reference-samples 2048]
+    error_over_time.py --csv FILE        # the tables alone
+
+Each run is a process of its own and one row of the CSV file, to which further calls append; the renderers take turns.
+Both trace paths with emitter sampling and multiple importance sampling, of the same cap (Mitsuba's max_depth is two
+more), without roulette. Ours is graphs/path_tracer.py with the file's materials, Mitsuba's `llvm_ad_rgb` with those
+that the converter makes of them. They are not quite the same, so that each is measured against a reference of its own,
+whose seed no run has. The first run of each renderer is not counted: it fills the caches of kernels.
+
+The table has the errors, and the time at which each renderer reaches them, interpolated between its runs (log-log).
+"""
+
+import argparse
+import csv
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from gltf_edits import environment_of, read_glb
+
+import restirpg
+from restirpg.harness.render import find_package
+from restirpg.harness.statistics import luminance
+
+ROOT = Path(__file__).resolve().parents[2]
+COLUMNS = ("scene", "renderer", "size", "bounces", "samples", "seed", "seconds", "mape", "relmse")
+RENDERERS = ("ours", "mitsuba")
+REFERENCE_SEED = 1000
+
+
+def render(renderer, scene, samples, seed, out, options):
+    """One picture by a process of its own; returns its wall time, s."""
+    if renderer == "ours":
+        program = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build")) / "bin" / "restirpg"
+        command = [program, "render", ROOT / "graphs" / "path_tracer.py", "--scene", scene, "--size", options.size]
+        command += ["--bounces", options.bounces, "--frames", samples, "--seed", seed, "-o", out]
+    else:
+        command = [options.mitsuba_python, options.converter, scene, out, "--spp", samples]
+        command += ["--depth", options.bounces + 2, "--res", options.size, "--seed", seed]
+    start = time.monotonic()
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, env={**os.environ, "PYTHONPATH": ""})
+    seconds = time.monotonic() - start
+    if done.returncode != 0:
+        sys.exit(f"{renderer} failed on {scene}:\n{done.stderr}")
+    return seconds
+
+
+def errors(image, reference):
+    """MAPE and relMSE of luminance, each against the reference's luminance + 1% of its mean."""
+    image, reference = luminance(image), luminance(reference)
+    scale = reference + 0.01 * reference.mean()
+    relative = (image - reference) / scale
+    return float(np.abs(relative).mean()), float((relative**2).mean())
+
+
+def read_image(file):
+    """(H, W, 3) of an EXR file of either renderer."""
+    return restirpg.read_exr(file)[..., :3].astype(float)
+
+
+def measure(scene, options):
+    """Append the rows of one scene."""
+    if environment_of(read_glb(scene)[0]):
+        sys.exit(f"error_over_time.py: {scene}: has an environment, which the converter would have to be given")
+    options.references.mkdir(parents=True, exist_ok=True)
+    references = {}
+    for renderer in RENDERERS:
+        file = options.references / f"ref_{renderer}_{scene.stem}.exr"
+        if not file.is_file():
+            render(renderer, scene, options.reference_samples, REFERENCE_SEED, file, options)
+        references[renderer] = read_image(file)
+        render(renderer, scene, 1, 0, options.references / "warm.exr", options)
+    new = not options.csv.is_file()
+    with options.csv.open("a", newline="") as stream:
+        writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
+        if new:
+            writer.writeheader()
+        for seed in range(1, options.seeds + 1):
+            for samples in options.samples:
+                for renderer in RENDERERS:
+                    file = options.references / "run.exr"
+                    seconds = render(renderer, scene, samples, seed, file, options)
+                    mape, relmse = errors(read_image(file), references[renderer])
+                    row = (scene.stem, renderer, options.size, options.bounces, samples, seed)
+                    row += (f"{seconds:.3f}", f"{mape:.5f}", f"{relmse:.5f}")
+                    writer.writerow(dict(zip(COLUMNS, row)))
+                    stream.flush()
+
+
+def print_tables(path):
+    """A table per scene: rows are numbers of samples, means over seeds."""
+    with path.open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    for scene in dict.fromkeys(row["scene"] for row in rows):
+        means = {}
+        for renderer in RENDERERS:
+            own = [row for row in rows if row["scene"] == scene and row["renderer"] == renderer]
+            for samples in sorted({int(row["samples"]) for row in own}):
+                several = [row for row in own if int(row["samples"]) == samples]
+                means.setdefault(renderer, []).append(
+                    (samples, *(np.mean([float(row[key]) for row in several]) for key in ("seconds", "mape")))
+                )
+        print(f"\n| {scene}: samples | s, ours | MAPE, ours | s, Mitsuba | MAPE, Mitsuba | s of ours for that MAPE |")
+        print("| --- | --- | --- | --- | --- | --- |")
+        ours = np.array(means["ours"])
+        for (samples, seconds, mape), (_, their_seconds, their_mape) in zip(means["ours"], means["mitsuba"]):
+            inside = ours[:, 2].min() <= their_mape <= ours[:, 2].max()
+            logs = np.log(ours[::-1])
+            reached = f"{np.exp(np.interp(np.log(their_mape), logs[:, 2], logs[:, 1])):.1f}" if inside else "outside"
+            cells = (f"{samples}", f"{seconds:.1f}", f"{100 * mape:.1f}%", f"{their_seconds:.1f}")
+            print("|", " | ".join((*cells, f"{100 * their_mape:.1f}%", reached)), "|")
+
+
+def parse_arguments():
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="*", type=Path)
+    parser.add_argument("--mitsuba-python", help="the Python of an environment that has Mitsuba 3")
+    parser.add_argument("--converter", type=Path, default=ROOT.parent / "shared" / "tools" / "gltf_to_mitsuba.py")
+    parser.add_argument("--csv", type=Path, required=True)
+    parser.add_argument("--size", default="160x90")
+    parser.add_argument("--bounces", type=int, default=4)
+    parser.add_argument("--samples", type=int, nargs="+", default=[4, 16, 64, 256])
+    parser.add_argument("--seeds", type=int, default=2)
+    parser.add_argument("--references", type=Path, default=Path("out/mitsuba_references"))
+    parser.add_argument("--reference-samples", type=int, default=2048)
+    options = parser.parse_args()
+    if options.scenes and not options.mitsuba_python:
+        parser.error("--mitsuba-python is needed to render")
+    return options
+
+
+def main():
+    """Measure, then print what is in the CSV file."""
+    find_package()
+    options = parse_arguments()
+    for scene in options.scenes:
+        measure(scene, options)
+    print_tables(options.csv)
+
+
+if __name__ == "__main__":
+    main()
