@@ -2,16 +2,16 @@
 """Error over wall time, ours against Mitsuba 3's `path`: whole processes, start, loading and compiling included.
 
     error_over_time.py SCENE.glb --size 160x90 --bounces 4 --mitsuba-python VENV/bin/python --csv FILE
-                       [--samples 4 16 64 256] [--seeds 2] [--references FOLDER] [--reference-samples 2048]
+                       [--methods mitsuba path_tracer restir_pg] [--samples 4 16 64 256] [--seeds 2]
+                       [--references FOLDER] [--reference-samples 2048]
     error_over_time.py --csv FILE        # the tables alone
 
-Each run is a process of its own and one row of the CSV file, to which further calls append; the renderers take turns.
-Both trace paths with emitter sampling and multiple importance sampling, of the same cap (Mitsuba's max_depth is two
-more), without roulette. Ours is graphs/path_tracer.py with the file's materials, Mitsuba's `llvm_ad_rgb` with those
-that the converter makes of them. They are not quite the same, so that each is measured against a reference of its own,
-whose seed no run has. The first run of each renderer is not counted: it fills the caches of kernels.
-
-The table has the errors, and the time at which each renderer reaches them, interpolated between its runs (log-log).
+Each run is a process of its own and one row of the CSV file, to which further calls append; the methods take turns.
+`mitsuba` is its `path` by `llvm_ad_rgb`, the others are graphs of this repository, with pixels sampled by a box filter
+as Mitsuba's. All have emitter sampling, multiple importance sampling, no roulette and the same cap (Mitsuba's max_depth
+is two more). Ours have the file's materials, Mitsuba those that the converter makes of them. They are not quite the
+same, so that each renderer is measured against a reference of its own, by Mitsuba and by path_tracer, whose seed no run
+has. The first run of each method is not counted: it fills the caches of kernels.
 """
 
 import argparse
@@ -30,25 +30,26 @@ from restirpg.harness.render import find_package
 from restirpg.harness.statistics import luminance
 
 ROOT = Path(__file__).resolve().parents[2]
-COLUMNS = ("scene", "renderer", "size", "bounces", "samples", "seed", "seconds", "mape", "relmse")
-RENDERERS = ("ours", "mitsuba")
+COLUMNS = ("scene", "method", "size", "bounces", "samples", "seed", "seconds", "mape", "relmse")
+MITSUBA, PATH_TRACER = "mitsuba", "path_tracer"
 REFERENCE_SEED = 1000
 
 
-def render(renderer, scene, samples, seed, out, options):
+def render(method, scene, samples, seed, out, options):
     """One picture by a process of its own; returns its wall time, s."""
-    if renderer == "ours":
-        program = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build")) / "bin" / "restirpg"
-        command = [program, "render", ROOT / "graphs" / "path_tracer.py", "--scene", scene, "--size", options.size]
-        command += ["--bounces", options.bounces, "--frames", samples, "--seed", seed, "-o", out]
-    else:
+    if method == MITSUBA:
         command = [options.mitsuba_python, options.converter, scene, out, "--spp", samples]
         command += ["--depth", options.bounces + 2, "--res", options.size, "--seed", seed]
+    else:
+        program = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build")) / "bin" / "restirpg"
+        command = [program, "render", ROOT / "graphs" / f"{method}.py", "--scene", scene, "--size", options.size]
+        command += ["--bounces", options.bounces, "--frames", samples, "--seed", seed, "-o", out]
+        command += ["--output", "image", "--set", "gbuffer.jitter=true"]
     start = time.monotonic()
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, env={**os.environ, "PYTHONPATH": ""})
     seconds = time.monotonic() - start
     if done.returncode != 0:
-        sys.exit(f"{renderer} failed on {scene}:\n{done.stderr}")
+        sys.exit(f"{method} failed on {scene}:\n{done.stderr}")
     return seconds
 
 
@@ -71,12 +72,13 @@ def measure(scene, options):
         sys.exit(f"error_over_time.py: {scene}: has an environment, which the converter would have to be given")
     options.references.mkdir(parents=True, exist_ok=True)
     references = {}
-    for renderer in RENDERERS:
-        file = options.references / f"ref_{renderer}_{scene.stem}.exr"
+    for method in (MITSUBA, PATH_TRACER):
+        file = options.references / f"{scene.stem}_{method}.exr"
         if not file.is_file():
-            render(renderer, scene, options.reference_samples, REFERENCE_SEED, file, options)
-        references[renderer] = read_image(file)
-        render(renderer, scene, 1, 0, options.references / "warm.exr", options)
+            render(method, scene, options.reference_samples, REFERENCE_SEED, file, options)
+        references[method] = read_image(file)
+    for method in options.methods:
+        render(method, scene, 2, 0, options.references / "warm.exr", options)
     new = not options.csv.is_file()
     with options.csv.open("a", newline="") as stream:
         writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
@@ -84,38 +86,33 @@ def measure(scene, options):
             writer.writeheader()
         for seed in range(1, options.seeds + 1):
             for samples in options.samples:
-                for renderer in RENDERERS:
+                for method in options.methods:
                     file = options.references / "run.exr"
-                    seconds = render(renderer, scene, samples, seed, file, options)
-                    mape, relmse = errors(read_image(file), references[renderer])
-                    row = (scene.stem, renderer, options.size, options.bounces, samples, seed)
+                    seconds = render(method, scene, samples, seed, file, options)
+                    mape, relmse = errors(read_image(file), references[MITSUBA if method == MITSUBA else PATH_TRACER])
+                    row = (scene.stem, method, options.size, options.bounces, samples, seed)
                     row += (f"{seconds:.3f}", f"{mape:.5f}", f"{relmse:.5f}")
                     writer.writerow(dict(zip(COLUMNS, row)))
                     stream.flush()
 
 
 def print_tables(path):
-    """A table per scene: rows are numbers of samples, means over seeds."""
+    """A table per scene: rows are numbers of samples; wall time and MAPE of each method, means over seeds."""
     with path.open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     for scene in dict.fromkeys(row["scene"] for row in rows):
-        means = {}
-        for renderer in RENDERERS:
-            own = [row for row in rows if row["scene"] == scene and row["renderer"] == renderer]
-            for samples in sorted({int(row["samples"]) for row in own}):
-                several = [row for row in own if int(row["samples"]) == samples]
-                means.setdefault(renderer, []).append(
-                    (samples, *(np.mean([float(row[key]) for row in several]) for key in ("seconds", "mape")))
-                )
-        print(f"\n| {scene}: samples | s, ours | MAPE, ours | s, Mitsuba | MAPE, Mitsuba | s of ours for that MAPE |")
-        print("| --- | --- | --- | --- | --- | --- |")
-        ours = np.array(means["ours"])
-        for (samples, seconds, mape), (_, their_seconds, their_mape) in zip(means["ours"], means["mitsuba"]):
-            inside = ours[:, 2].min() <= their_mape <= ours[:, 2].max()
-            logs = np.log(ours[::-1])
-            reached = f"{np.exp(np.interp(np.log(their_mape), logs[:, 2], logs[:, 1])):.1f}" if inside else "outside"
-            cells = (f"{samples}", f"{seconds:.1f}", f"{100 * mape:.1f}%", f"{their_seconds:.1f}")
-            print("|", " | ".join((*cells, f"{100 * their_mape:.1f}%", reached)), "|")
+        runs = {}
+        for row in rows:
+            if row["scene"] == scene:
+                cell = runs.setdefault(int(row["samples"]), {}).setdefault(row["method"], [])
+                cell.append((float(row["seconds"]), float(row["mape"])))
+        methods = list(dict.fromkeys(row["method"] for row in rows if row["scene"] == scene))
+        print(f"\n| {scene}: samples | {' | '.join(f'{method}: s, MAPE' for method in methods)} |")
+        print("| --- " * (1 + len(methods)) + "|")
+        for samples in sorted(runs):
+            means = {method: np.mean(cell, axis=0) for method, cell in runs[samples].items()}
+            cells = [f"{means[m][0]:.1f}, {100 * means[m][1]:.1f}%" if m in means else "" for m in methods]
+            print(f"| {samples} | {' | '.join(cells)} |")
 
 
 def parse_arguments():
@@ -125,6 +122,7 @@ def parse_arguments():
     parser.add_argument("--mitsuba-python", help="the Python of an environment that has Mitsuba 3")
     parser.add_argument("--converter", type=Path, default=ROOT.parent / "shared" / "tools" / "gltf_to_mitsuba.py")
     parser.add_argument("--csv", type=Path, required=True)
+    parser.add_argument("--methods", nargs="+", default=[MITSUBA, PATH_TRACER, "restir_pg"])
     parser.add_argument("--size", default="160x90")
     parser.add_argument("--bounces", type=int, default=4)
     parser.add_argument("--samples", type=int, nargs="+", default=[4, 16, 64, 256])

@@ -172,7 +172,7 @@ Backend chooseBackend(const DeviceDescription& device, const std::string& wanted
 bool usesShaderObjects(const DeviceDescription& device, Backend backend, bool validated)
 {
     return device.shaderObject && device.type == "CPU" && backend == Backend::software && !validated &&
-           !std::getenv("VK_INSTANCE_LAYERS");
+           !std::getenv("VK_INSTANCE_LAYERS") && !std::getenv("VK_LOADER_LAYERS_ENABLE");
 }
 
 void refuseIncomplete(const DeviceDescription& device)
