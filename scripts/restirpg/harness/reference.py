@@ -4,7 +4,7 @@ import numpy as np
 
 from restirpg.harness import UserError, render, tiles
 from restirpg.harness.jobs import digest
-from restirpg.harness.statistics import block_means, luminance
+from restirpg.harness.statistics import block_means, luminance, mape_scale
 
 
 def key_of_batches(jobs):
@@ -95,7 +95,7 @@ def noise(reference):
     with np.errstate(divide="ignore", invalid="ignore"):
         return {
             "relmse": float(np.mean(variance / (mean**2 + 0.01))),
-            "mape": float(np.mean(error / (0.01 * y.mean() + y)[..., None])),
+            "mape": float(np.mean(error / mape_scale(y)[..., None])),
             "relative_se": float(se / batches.mean()),
             "luminance_variance": float(reference["luminance_variance"]),
         }

@@ -53,9 +53,8 @@ def _viewer_data(scene, kinds):
     """What viewer.js shows of a scene: see its head for the format."""
     truth = scene.reference["mean"].astype(float)
     y = st.luminance(truth)
-    error = np.array(
-        [np.abs(method.images["image"] - truth) / (0.01 * y.mean() + y)[..., None] for method in scene.methods]
-    )
+    scale = st.mape_scale(y)[..., None]
+    error = np.array([np.abs(method.images["image"] - truth) / scale for method in scene.methods])
     exposure = -float(np.log2(max(np.percentile(y, 90), 1e-6))) - 1
     pictures = [{"label": "reference", "image": _half(truth)}]
     pictures += [

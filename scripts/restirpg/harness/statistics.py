@@ -122,6 +122,11 @@ def luminance(image):
     return np.asarray(image, float) @ np.array([0.2126, 0.7152, 0.0722])
 
 
+def mape_scale(y):
+    """What MAPE divides differences by: the reference's luminance `y` plus 1% of its mean."""
+    return 0.01 * y.mean() + y
+
+
 def block_means(images, size=8):
     """Means of size x size blocks of (..., H, W); a rest at the right and the bottom is left out."""
     images = np.asarray(images, float)

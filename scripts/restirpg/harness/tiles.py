@@ -16,7 +16,7 @@ A stack is the picture of the tiles one below the other: whatever measures pictu
 import numpy as np
 
 from restirpg.harness import UserError
-from restirpg.harness.statistics import luminance
+from restirpg.harness.statistics import luminance, mape_scale
 
 METRICS = ("mape", "relmse", "bias")
 
@@ -47,7 +47,7 @@ def errors(picture, truth, side):
     truth = np.asarray(truth, float)
     difference = np.where(valid, picture - truth, 0.0)
     y = luminance(truth)[..., None]
-    weight = 1 / (0.01 * y.mean() + y)
+    weight = 1 / mape_scale(y)
     counts = np.maximum(valid.reshape(-1, side * side).sum(axis=1), 1) * picture.shape[-1]
 
     def by_tile(pixels):

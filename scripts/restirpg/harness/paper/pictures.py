@@ -26,7 +26,7 @@ def exposure_of(reference):
 def relative_error(images, reference):
     """|I - R| over (1% of mean Y + Y), mean over the channels and the images (n, H, W, 3): (H, W)."""
     y = st.luminance(reference)
-    errors = np.abs(np.nan_to_num(np.asarray(images, float)) - reference) / (0.01 * y.mean() + y)[..., None]
+    errors = np.abs(np.nan_to_num(np.asarray(images, float)) - reference) / st.mape_scale(y)[..., None]
     return errors.mean(axis=(0, 3))
 
 
