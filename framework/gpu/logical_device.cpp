@@ -167,8 +167,9 @@ Backend chooseBackend(const DeviceDescription& device, const std::string& wanted
     return device.rayQuery && device.type != "CPU" ? Backend::rayQuery : Backend::software;
 }
 
-/// On lavapipe, where they make a start faster. Drivers of GPUs keep compiled pipelines themselves. The validation
-/// layer knows them from 1.3.246 on; an older one takes a dispatch for one without a kernel.
+/// On lavapipe, where they make a start faster. Drivers of GPUs keep compiled pipelines themselves. Not where the
+/// validation layer may be on, by us or by the loader's variables: before 1.3.246 it takes a dispatch of a shader
+/// object for one without a kernel.
 bool usesShaderObjects(const DeviceDescription& device, Backend backend, bool validated)
 {
     return device.shaderObject && device.type == "CPU" && backend == Backend::software && !validated &&
