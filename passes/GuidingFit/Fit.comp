@@ -28,12 +28,12 @@ GuidingMemory load_sums(uint slot)
     for (uint i = 0u; i < 16u; ++i)
         m.sums[i] *= scale;
     m.bsdf *= scale;
-    for (uint i = 0u; i < 7u; ++i)
-        m.places[i] = 0.0;
+    for (uint k = 0u; k < GUIDING_LOBES; ++k)
+        m.inverseDistances[k] = 0.0;
     if ((params.options & GUIDING_PARALLAX) != 0u) {
-        GuidingPlaceSums places = guiding_place_sums(params.statistics, params.capacity).at[slot];
-        for (uint i = 0u; i < 7u; ++i)
-            m.places[i] = from_fixed(places.lanes[i]) * scale;
+        GuidingDistanceSums distances = guiding_distance_sums(params.statistics, params.capacity).at[slot];
+        for (uint k = 0u; k < GUIDING_LOBES; ++k)
+            m.inverseDistances[k] = from_fixed(distances.lanes[k]) * scale;
     }
     return m;
 }
@@ -42,8 +42,8 @@ void add_memory(inout GuidingMemory m, GuidingMemory other, float factor)
 {
     for (uint i = 0u; i < 16u; ++i)
         m.sums[i] += factor * other.sums[i];
-    for (uint i = 0u; i < 7u; ++i)
-        m.places[i] += factor * other.places[i];
+    for (uint k = 0u; k < GUIDING_LOBES; ++k)
+        m.inverseDistances[k] += factor * other.inverseDistances[k];
     m.bsdf += factor * other.bsdf;
     m.count += factor * other.count;
 }
@@ -63,12 +63,42 @@ FitSums fit_sums(GuidingMemory m)
     return s;
 }
 
-VmfMixture fit(GuidingMemory sums, VmfMixture before, uint64_t strangest)
+/// What one lobe remembers goes to another. Not by index: an array that is read so is slow throughout.
+void hand_over(inout GuidingMemory m, uint from, uint to)
+{
+    float distance = 0.0;
+    vec4 moved = vec4(0.0);
+    for (uint k = 0u; k < GUIDING_LOBES; ++k) {
+        if (k % params.lobes != from)
+            continue;
+        for (uint i = 0u; i < 4u; ++i) {
+            moved[i] += m.sums[4u * k + i];
+            m.sums[4u * k + i] = 0.0;
+        }
+        distance += m.inverseDistances[k];
+        m.inverseDistances[k] = 0.0;
+    }
+    for (uint k = 0u; k < GUIDING_LOBES; ++k) {
+        if (k != to)
+            continue;
+        for (uint i = 0u; i < 4u; ++i)
+            m.sums[4u * k + i] += moved[i];
+        m.inverseDistances[k] += distance;
+    }
+}
+
+/// Fit the mixture to the sums. A lobe that is moved elsewhere leaves what it remembers to the one nearest to where it was: else its
+/// memory would take it back.
+VmfMixture fit(GuidingMemory sums, VmfMixture before, uint64_t strangest, inout GuidingMemory lasting)
 {
     FitPriors priors = FitPriors(params.lobes, params.weightPrior, params.concentrationPrior, params.largestKappa);
     VmfMixture m = fit_mixture(fit_sums(sums), before, priors);
     uint idle = params.reseeds != 0u ? find_idle_lobe(m, params.lobes) : GUIDING_LOBES;
-    return idle < GUIDING_LOBES ? reseed_lobe(m, idle, unpack_direction(uint(strangest))) : m;
+    if (idle == GUIDING_LOBES)
+        return m;
+    if (params.decay > 0.0 && params.lobes > 1u)
+        hand_over(lasting, idle, nearest_lobe(m, idle, params.lobes));
+    return reseed_lobe(m, idle, unpack_direction(uint(strangest)));
 }
 
 /// The weight of the BSDF among all components, within limits, so that neither is given up.  [shaders/README: Where alpha comes from]
@@ -102,7 +132,7 @@ void fit_cell(uint slot, uint64_t key)
     float keep = params.pools != 0u ? 1.0 : params.decay;
     GuidingMemory lasting = sums;
     if (sums.count >= params.minimum) {
-        mixture = fit(sums, mixture, guiding_sums(params.statistics, params.capacity).at[slot].strangest);
+        mixture = fit(sums, mixture, guiding_sums(params.statistics, params.capacity).at[slot].strangest, lasting);
         if ((GuidingHeaderRef(params.statistics).at.options & GUIDING_ALPHA) != 0u)
             alpha = fit_alpha(sums);
         age = 0u;
@@ -117,7 +147,7 @@ void fit_cell(uint slot, uint64_t key)
     GuidingKeyArray(guiding_keys(params.guide)).at[slot] = key;
     guiding_cells(params.guide, params.capacity).at[slot] = pack_mixture(mixture, alpha, age, fitted_to);
     if (params.remembers != 0u) {
-        add_memory(lasting, sums, keep - 1.0);
+        add_memory(lasting, lasting, keep - 1.0);
         guiding_memories(params.guide, params.capacity).at[slot] = lasting;
     }
 }

@@ -105,7 +105,7 @@ private:
     /// Of GuidingSplat with the same knobs.
     uint64_t statisticsBytes() const
     {
-        const uint64_t slot = GUIDING_KEY_BYTES + GUIDING_SUMS_BYTES + (parallax_ ? GUIDING_PLACE_SUMS_BYTES : 0);
+        const uint64_t slot = GUIDING_KEY_BYTES + GUIDING_SUMS_BYTES + (parallax_ ? GUIDING_DISTANCE_SUMS_BYTES : 0);
         return GUIDING_HEADER_BYTES + slot * capacity();
     }
 

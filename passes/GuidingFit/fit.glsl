@@ -18,8 +18,6 @@ struct FitPriors {
     float largest_kappa;
 };
 
-/// Below this a lobe is taken for uniform: single precision would lose its shape.
-const float LEAST_KAPPA = 1e-3;
 /// A lobe of less weight has nothing to explain.
 const float IDLE_WEIGHT = 0.02;
 /// Lobes whose directions have a larger cosine, and concentrations a smaller ratio, do the work of one.
@@ -28,16 +26,12 @@ const float TWIN_KAPPA_RATIO = 1.5;
 const float RESEEDED_KAPPA = 10.0;
 const float RESEEDED_WEIGHT = 0.1;
 
-/// kappa of a mean resultant length.  [Banerjee et al. 2005]
-float kappa_of(float mean_cosine)
-{
-    float kappa = mean_cosine * (3.0 - mean_cosine * mean_cosine) / (1.0 - mean_cosine * mean_cosine);
-    return kappa < LEAST_KAPPA ? 0.0 : kappa;
-}
-
-/// The mixture of largest posterior probability given the sums; a lobe without direction keeps the one it had.
+/// The mixture of largest posterior probability given the sums; a lobe without direction keeps the one it had. Without samples the
+/// mixture stays: the BSDF may explain them all [shaders/README: Where alpha comes from].
 VmfMixture fit_mixture(FitSums sums, VmfMixture before, FitPriors priors)
 {
+    if (!(sums.count > 0.0))
+        return before;
     // The mean cosine, not kappa, is clamped: near 1 it has too few digits left.
     float largest_cosine = 1.0 - 1.0 / priors.largest_kappa;
     VmfMixture m = before;
@@ -48,7 +42,7 @@ VmfMixture fit_mixture(FitSums sums, VmfMixture before, FitPriors priors)
         float effective = m.weight[k] * sums.count;
         float mean_cosine = len / max(sums.share[k], 1e-20);
         mean_cosine *= effective / max(priors.concentration + effective, 1e-20);
-        m.kappa[k] = kappa_of(min(mean_cosine, largest_cosine));
+        m.kappa[k] = vmf_kappa(min(mean_cosine, largest_cosine));
         if (len > 0.0) {
             m.x[k] = r.x / len;
             m.y[k] = r.y / len;
@@ -76,6 +70,21 @@ uint find_idle_lobe(VmfMixture m, uint lobes)
             idle = k;
     }
     return idle;
+}
+
+/// The other one of the first `lobes` whose direction is closest to a lobe's.
+uint nearest_lobe(VmfMixture m, uint k, uint lobes)
+{
+    uint nearest = GUIDING_LOBES;
+    float largest_cosine = -2.0;
+    for (uint j = 0u; j < lobes; ++j) {
+        float cosine = dot(lobe_direction(m, j), lobe_direction(m, k));
+        if (j != k && cosine > largest_cosine) {
+            nearest = j;
+            largest_cosine = cosine;
+        }
+    }
+    return nearest;
 }
 
 /// Move a lobe to a direction that the others explain badly.

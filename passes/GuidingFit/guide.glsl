@@ -28,13 +28,12 @@ void multiply_by_cosine(inout VmfMixture m, vec3 normal)
     m.weight /= max(dot(m.weight, vec4(1.0)), 1e-30);
 }
 
-/// Aim each lobe from where it is asked for at what it was fitted to, seen from the samples' mean place.  [Ruppert et al. 2020]
-void aim_lobes(inout VmfMixture m, GuidingMemory memory, vec3 center, float side, vec3 position)
+/// Aim each lobe from where it is asked for at what it was fitted to, seen from the cell's centre.  [shaders/README: Parallax]
+void aim_lobes(inout VmfMixture m, GuidingMemory memory, vec3 center, vec3 position)
 {
-    vec3 pivot = center + side * vec3(memory.places[4], memory.places[5], memory.places[6]) / max(memory.count, 1e-20);
     for (uint k = 0u; k < GUIDING_LOBES; ++k) {
-        float inverse = memory.places[k] / max(memory.sums[4u * k + 3u], 1e-20);
-        vec3 axis = lobe_direction(m, k) + (pivot - position) * inverse;
+        float inverse = memory.inverseDistances[k] / max(memory.sums[4u * k + 3u], 1e-20);
+        vec3 axis = lobe_direction(m, k) + (center - position) * inverse;
         float len = length(axis);
         if (len <= 0.0)
             continue;
@@ -58,8 +57,7 @@ bool guide_lookup(Address guide, GuideQuery query, out Guide g)
         return false;
     VmfMixture m = unpack_mixture(cell);
     if ((header.options & GUIDING_PARALLAX) != 0u)
-        aim_lobes(m, guiding_memories(guide, header.capacity).at[slot], key_center(header.grid, key),
-                  cell_side(header.grid, key_level(key)), query.position);
+        aim_lobes(m, guiding_memories(guide, header.capacity).at[slot], key_center(header.grid, key), query.position);
     if ((header.options & GUIDING_COSINE) != 0u)
         multiply_by_cosine(m, query.normal);
     g.lobes = place_mixture(m);

@@ -10,7 +10,7 @@ static_assert(sizeof(ScreenLobe) == 24);
 namespace {
 
 /// Pixels of the 5 x 5 window around one.
-constexpr uint32_t MAX_NEIGHBOURS = 24;
+constexpr uint32_t WINDOW_NEIGHBOURS = 24;
 
 }  // namespace
 
@@ -44,7 +44,7 @@ public:
         io.knob("product", product_, "fit the incident radiance times BSDF and cosine; off: the radiance alone");
         io.knob("smoothing_floor", smoothingFloor_, 0.001f, 1,
                 "smallest share that a new sample has in the moments; before it is reached, they are plain means");
-        io.knob("neighbours", neighbours_, 0, MAX_NEIGHBOURS,
+        io.knob("neighbours", neighbours_, 0, WINDOW_NEIGHBOURS,
                 "random pixels of the 5x5 window around this one whose last sample is used, too");
         io.knob(
             "prior", prior_, 0, 1000,

@@ -8,9 +8,8 @@
 /// distribution's 1/12.
 const float SMALLEST_VARIANCE = 1e-4;
 const float LARGEST_VARIANCE = 0.1;
-/// The most concentrated vMF lobe, and the concentration below which it counts as uniform [shaders/README: The von Mises-Fisher distribution].
+/// Of the most concentrated vMF lobe.
 const float LARGEST_KAPPA = 1e4;
-const float SMALLEST_KAPPA = 1e-3;
 /// Weights are kept between the inverse of this and this, so that their squares are finite and not zero.
 const float LARGEST_WEIGHT = 1e15;
 
@@ -65,7 +64,7 @@ ScreenLobe fit_vmf(ScreenStatistics s, mat3 local_frame, float prior, float regu
     float inverse_kappa = max((1.0 - r * r) / max(r * (3.0 - r * r), 1e-9), 1.0 / LARGEST_KAPPA);
     float kappa = 1.0 / (inverse_kappa + 2.0 * PI * regularisation);
     vec2 place = square_of_hemisphere(to_local(local_frame, r > 0.0 ? mean / r : local_frame[2]));
-    return ScreenLobe(SCREEN_LOBE_VMF, place, vec3(kappa < SMALLEST_KAPPA ? 0.0 : kappa, 0.0, 0.0));
+    return ScreenLobe(SCREEN_LOBE_VMF, place, vec3(kappa < LEAST_KAPPA ? 0.0 : kappa, 0.0, 0.0));
 }
 
 /// The lobe of a pixel; kind NONE before it has seen light.

@@ -80,7 +80,7 @@ private:
 
     uint64_t bytes() const
     {
-        const uint64_t slot = GUIDING_KEY_BYTES + GUIDING_SUMS_BYTES + (parallax_ ? GUIDING_PLACE_SUMS_BYTES : 0);
+        const uint64_t slot = GUIDING_KEY_BYTES + GUIDING_SUMS_BYTES + (parallax_ ? GUIDING_DISTANCE_SUMS_BYTES : 0);
         return GUIDING_HEADER_BYTES + slot * capacity();
     }
 

@@ -11,9 +11,10 @@ layout(push_constant, scalar) uniform Push { GuidingSplatParameters params; };
 /// Not so small that its inverse would leave the fixed point's range.
 const float SHORTEST_DISTANCE = 1e-3;
 
-/// A vertex with its weight and the distance it looks to, m. Weight 0: not a sample.
+/// A vertex with its weight, and the direction and distance (m) that it looks to. Weight 0: not a sample.
 struct Sample {
     PathVertex vertex;
+    vec3 direction;
     float weight;
     float distance;
 };
@@ -35,15 +36,16 @@ bool is_wanted(PathVertex v)
 
 Sample load_sample(uint index)
 {
-    Sample s = Sample(no_path_vertex(), 1.0, 0.0);
+    Sample s = Sample(no_path_vertex(), vec3(0.0), 1.0, 0.0);
     if (params.samples != 0ul) {
         GuidingSample given = GuidingSampleArray(params.samples).at[index];
-        s = Sample(given.vertex, given.weight, given.distance);
+        s = Sample(given.vertex, vec3(0.0), given.weight, given.distance);
     } else {
         s.vertex = PathVertexArray(params.vertices).at[index];
         if (params.incident != 0u)
             s.weight = 1.0 / vertex_scatter(s.vertex);
     }
+    s.direction = unpack_direction(s.vertex.direction);
     s.weight = is_wanted(s.vertex) ? min(s.weight, float(GUIDING_LARGEST_WEIGHT)) : 0.0;
     return s;
 }
@@ -54,13 +56,23 @@ uint strangeness(float log_density)
     return uint(clamp(256.0 * (128.0 - log_density), 0.0, 4294967040.0));
 }
 
-void add_places(uint slot, Sample s, vec4 shares, vec3 place)
+void add_distance(uint slot, Sample s, vec4 shares)
 {
-    GuidingPlaceSumsArray sums = guiding_place_sums(params.statistics, params.capacity);
+    GuidingDistanceSumsArray sums = guiding_distance_sums(params.statistics, params.capacity);
     for (uint k = 0u; k < GUIDING_LOBES; ++k)
         atomicAdd(sums.at[slot].lanes[k], uint64_t(to_fixed(s.weight * shares[k] / max(s.distance, SHORTEST_DISTANCE))));
-    for (uint axis = 0u; axis < 3u; ++axis)
-        atomicAdd(sums.at[slot].lanes[GUIDING_LOBES + axis], uint64_t(to_fixed(s.weight * place[axis])));
+}
+
+/// The sample as it would look to the same target from another place, `offset` away.  [shaders/README: Parallax]
+void look_from(inout Sample s, vec3 offset)
+{
+    vec3 w = s.direction - offset / max(s.distance, SHORTEST_DISTANCE);
+    float len = length(w);
+    if (len <= 0.0)
+        return;
+    s.direction = w / len;
+    s.vertex.direction = pack_direction(s.direction);
+    s.distance *= len;
 }
 
 void add_sample(GuidingGrid grid, Sample s)
@@ -70,7 +82,9 @@ void add_sample(GuidingGrid grid, Sample s)
     uint slot = insert_sample(params.statistics, params.capacity, key);
     if (slot == INVALID_INDEX)
         return;
-    vec3 w = unpack_direction(s.vertex.direction);
+    if (params.parallax != 0u)
+        look_from(s, key_center(grid, key) - position);
+    vec3 w = s.direction;
     float log_density;
     float alpha;
     vec4 shares = responsibilities(previous_mixture(params.guide, grid, key, alpha), w, log_density);
@@ -91,7 +105,7 @@ void add_sample(GuidingGrid grid, Sample s)
     atomicMax(sums.at[slot].strangest, (uint64_t(strangeness(log_density)) << 32u) | uint64_t(s.vertex.direction));
     atomicAdd(sums.at[slot].count, 1u);
     if (params.parallax != 0u)
-        add_places(slot, s, shares, (position - key_center(grid, key)) / cell_side(grid, key_level(key)));
+        add_distance(slot, s, shares);
 }
 
 void main()

@@ -10,7 +10,7 @@ struct Vertex {
     ShadingPoint point;
     uint material;
     bool guided;
-    bool opaque;  ///< no smooth lobe leaves on the other side
+    bool opaque;  ///< no smooth lobe refracts to the other side
     float alpha;  ///< probability of the BSDF within the smooth label, where guided
     Guide guide;
 };

@@ -46,6 +46,8 @@ void write_prefix(PathReservoir r, Hit hit, uint first)
         path.point = shade_surface(surface, -path.wi);
         material = surface.material;
     }
+    if (k == 0u || k - 1u > params.stride)  // replayed to its end, or connected behind the bounces that are kept
+        return;
     ShadingPoint p = path.point;
     uint label = path_label(r.labels, k - 1u);
     vec3 wi = direction_to_anchor(r, p.position);

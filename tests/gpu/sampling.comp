@@ -42,7 +42,7 @@ void main()
 
     // The largest numbers there are must still select a column that exists.
     vec2 largest = vec2(1.0 - 1.0 / 16777216.0);
-    uint columns = 1u + uint(u.z * 16777215.0);
+    uint columns = u.w < 0.5 ? 1u + uint(u.z * 16777215.0) : 1u + uint(u.z * 4294967040.0);
     AliasDraw last = draw_alias(columns, largest);
     AliasDraw first = draw_alias(columns, vec2(0.0));
     AliasDraw any_draw = draw_alias(columns, u.xy);

@@ -232,19 +232,16 @@ TEST(GridGuide, LobesTimesTheCosineAreTheProductNormalised)
 
 TEST(GridGuide, LobesAreAimedAtWhatTheirSamplesSaw)
 {
-    constexpr double PIVOT = 0.3, SIDE = 0.25;  // of the cell, in m: the power of two below 0.1 x 4.9 m
     GuidingMemory memory{};
     memory.count = 10;
-    memory.places[4] = 10 * float(PIVOT);
     const std::vector<double> distances = {0.5, 2, 1e4, 0.8};
     for (uint32_t k = 0; k < GUIDING_LOBES; ++k) {
         memory.sums[4 * k + 3] = 2.5f;
-        memory.places[k] = float(2.5 / distances[k]);
+        memory.inverseDistances[k] = float(2.5 / distances[k]);
     }
     Lobes aimed = MIXTURE;
     for (uint32_t k = 0; k < GUIDING_LOBES; ++k) {
-        const glm::dvec3 target =
-            distances[k] * glm::normalize(glm::dvec3(MIXTURE[k].mu)) + glm::dvec3(SIDE * PIVOT, 0, 0);
+        const glm::dvec3 target = distances[k] * glm::normalize(glm::dvec3(MIXTURE[k].mu));
         aimed[k].mu = glm::vec3(glm::normalize(target - OFFSET));
     }
     const Buffer guide = makeGuide(MIXTURE, GUIDING_PARALLAX, memory);

@@ -28,7 +28,9 @@ BSDF, COUNT = 16, 17  # places in a memory, after the sums
 
 def m_step(sums, count, before, knobs):
     """The MAP mixture of sums (4, 4) over `count` samples, of the first `lobes` lobes; what the others
-    explained counts for those.  [shaders/README: The MAP fit]"""
+    explained counts for those.  [shaders/README: The MAP fit] Without samples the mixture stays."""
+    if count <= 0:
+        return before
     lobes = knobs["lobes"]
     sums = np.array([sums[k::lobes].sum(0) if k < lobes else np.zeros(4) for k in range(LOBES)])
     share = sums[:, 3]
@@ -45,8 +47,8 @@ def m_step(sums, count, before, knobs):
 
 def reseed(m, strangest, lobes):
     """Move the lightest of the first `lobes` lobes that is below 2% or another's twin (cosine above 0.999,
-    kappas within 1.5 times) to the direction `strangest`.  [shaders/README: The MAP fit] Returns the mixture, and by
-    how little a threshold was passed or missed."""
+    kappas within 1.5 times) to the direction `strangest`.  [shaders/README: The MAP fit] Returns the mixture, the lobe
+    that was moved and the one nearest to where it was, or None, and by how little a threshold was passed or missed."""
     mu, kappa, weight = m.mu[:lobes], m.kappa[:lobes], m.weight[:lobes]
     cosines = mu @ mu.T
     ratio = np.maximum.outer(kappa, kappa) / np.maximum(np.minimum.outer(kappa, kappa), 1e-20)
@@ -57,19 +59,21 @@ def reseed(m, strangest, lobes):
         np.abs(cosines - 0.999)[lighter].min(initial=1.0),
         np.abs(ratio[lighter] / 1.5 - 1).min(initial=1.0),
     ]
-    idle = np.flatnonzero((weight < 0.02) | twins.any(1))
+    idle, moved = np.flatnonzero((weight < 0.02) | twins.any(1)), None
     if len(idle):
         order = np.sort(weight[idle])
         margins.append(np.ptp(order[:2]) if len(order) > 1 else 1.0)
         k = idle[np.argmin(m.weight[idle])]
+        near = np.where(np.arange(lobes) == k, -2, cosines[k])
+        moved = k, int(np.argmax(near))
         m.mu[k], m.kappa[k], m.weight[k] = strangest, 10.0, 0.1
         m.weight = m.weight / m.weight.sum()
-    return m, min(margins)
+    return m, moved, min(margins)
 
 
 @dataclass
 class FittedCell:
-    """What a cell of the guide should be. `memory` (25,): sums, bsdf, count, places, or None; `doubtful`:
+    """What a cell of the guide should be. `memory` (22,): sums, bsdf, count, inverse distances, or None; `doubtful`:
     rounding decides."""
 
     mixture: Mixture
@@ -81,21 +85,30 @@ class FittedCell:
 
 
 def memory_of(record):
-    return np.r_[record["sums"], record["bsdf"], record["count"], record["places"]].astype(float)
+    return np.r_[record["sums"], record["bsdf"], record["count"], record["inverseDistances"]].astype(float)
 
 
-def batch_of(sums, places):
-    """A frame's sums as a memory (25,), scaled so that the shares add up to the count of the samples.
+def hand_over(memory, lobe, heir, lobes):
+    """The memory (22,) in which what a lobe of the first `lobes` remembers is another's."""
+    by_lobe = np.c_[memory[:BSDF].reshape(LOBES, 4), memory[COUNT + 1 :]]
+    given = by_lobe[lobe::lobes].sum(0)
+    by_lobe[lobe::lobes] = 0
+    by_lobe[heir] += given
+    return np.r_[by_lobe[:, :4].ravel(), memory[BSDF : COUNT + 1], by_lobe[:, 4]]
+
+
+def batch_of(sums, distances):
+    """A frame's sums as a memory (22,), scaled so that the shares add up to the count of the samples.
     [shaders/README: The E-step]"""
     batch = np.r_[
         sums["lanes"] / ONE,
         sums["bsdf"] / ONE,
         sums["count"],
-        places["lanes"] / ONE if places is not None else np.zeros(7),
+        distances["lanes"] / ONE if distances is not None else np.zeros(LOBES),
     ]
     total = batch[3:16:4].sum() + batch[BSDF]
     scale = batch[COUNT] / total if total > 0 else 0.0
-    return batch * np.r_[np.full(17, scale), 1.0 if total > 0 else 0.0, np.full(7, scale)]
+    return batch * np.r_[np.full(17, scale), 1.0 if total > 0 else 0.0, np.full(LOBES, scale)]
 
 
 def fit_cell(key, statistics, learns_alpha, grid, before, cells, knobs):
@@ -114,23 +127,25 @@ def fit_cell(key, statistics, learns_alpha, grid, before, cells, knobs):
         if remembers:
             memory = memory + memory_of(cells[found][1])
     kept = 1.0 if knobs["pool"] else knobs["decay"]
-    count = memory[COUNT]
+    count, lasting = memory[COUNT], memory
     if count >= knobs["minimum"]:
         mixture = m_step(memory[:BSDF].reshape(LOBES, 4), count - memory[BSDF], mixture, knobs)
         if learns_alpha:
             prior = knobs["alpha_prior"]
             alpha = np.clip((prior + memory[BSDF]) / (2 * prior + count), 0.1, 0.9)
         if knobs["reseed"]:
-            mixture, margin = reseed(
+            mixture, moved, margin = reseed(
                 mixture,
                 unpack_direction(np.uint32(sums["strangest"] & np.uint64(0xFFFFFFFF))),
                 knobs["lobes"],
             )
             doubtful = doubtful or margin < 1e-4
+            if moved and knobs["decay"] > 0:
+                lasting = hand_over(memory, *moved, knobs["lobes"])
         age, samples, kept = 0, count, knobs["decay"]
     elif age > knobs["oldest"]:
         samples = 0.0
-    return FittedCell(mixture, alpha, age, samples, kept * memory if remembers else None, doubtful)
+    return FittedCell(mixture, alpha, age, samples, kept * lasting if remembers else None, doubtful)
 
 
 def fit_guide(statistics, learns_alpha, grid, before, cells, knobs):

@@ -11,13 +11,13 @@ import numpy as np
 
 from restirpg.harness.guiding import (  # noqa: F401
     CELL,
+    DISTANCES,
     FINAL,
     HEADER,
     LEARNS_ALPHA,
     LIGHT_SAMPLED,
     LOBES,
     MEMORY,
-    PLACES,
     SAMPLE,
     SUMS,
     VERTEX,
@@ -27,7 +27,6 @@ from restirpg.harness.guiding import (  # noqa: F401
     face_of,
     grid_of,
     is_valid,
-    level_of,
     material_of,
     mixture_of,
     read_table,
@@ -107,28 +106,38 @@ def previous_key(key, grid, before, cells):
 
 @dataclass
 class CellSums:
-    """E-step of a cell. `sums` (4, 4): x, y, z, 1 a lobe; `bsdf`: of the BSDF's responsibilities; `places`
-    (7,); `weight`: of all samples; `doubtful`: not to be compared."""
+    """E-step of a cell. `sums` (4, 4): x, y, z, 1 a lobe; `bsdf`: of the BSDF's responsibilities; `inverse`
+    (4,): of responsibilities over distance, 1/m; `nearest`: the least distance, m; `weight`: of all samples;
+    `doubtful`: not to be compared."""
 
     sums: np.ndarray = field(default_factory=lambda: np.zeros((LOBES, 4)))
     bsdf: float = 0.0
-    places: np.ndarray = field(default_factory=lambda: np.zeros(7))
+    inverse: np.ndarray = field(default_factory=lambda: np.zeros(LOBES))
+    nearest: float = np.inf
     count: int = 0
     weight: float = 0.0
     worst: float = np.inf  # log density
-    directions: list = field(default_factory=list)
+    directions: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     doubtful: bool = False
 
 
-def e_step(samples, grid, before, cells, learns_alpha):
+def e_step(samples, grid, before, cells, learns_alpha, parallax):
     """{key: CellSums} of a frame's samples (SAMPLE), against the guide of the frame before: its grid and
-    {key: (CELL, ...)}. `learns_alpha`: the BSDF is a component, too.  [shaders/README: Where alpha comes from]"""
+    {key: (CELL, ...)}. `learns_alpha`: the BSDF is a component, too.  [shaders/README: Where alpha comes from]
+    `parallax`: directions are those in which the middle of the cell sees what the samples see."""
     used = samples[is_valid(samples) & (samples["weight"] > 0)]
     points = grid.positions(used["position"])
     keys, doubtful = grid.keys(points, vertex_face(used), used["surface"] & 0xFFFF)
     w = unpack_direction(used["direction"])
     weights = np.minimum(used["weight"].astype(float), LARGEST_WEIGHT)
-    inverse = 1 / np.maximum(used["distance"].astype(float), SHORTEST_DISTANCE)
+    distance = used["distance"].astype(float)
+    if parallax:
+        target = points + np.maximum(distance, SHORTEST_DISTANCE)[:, None] * w
+        seen = target - np.array([grid.center(key) for key in keys.tolist()])
+        length = np.linalg.norm(seen, axis=-1)
+        w = seen / length[:, None]
+        distance = distance * length / np.maximum(distance, SHORTEST_DISTANCE)
+    inverse = 1 / np.maximum(distance, SHORTEST_DISTANCE)
     result, doubts = {}, set(keys[doubtful].tolist())
     for key in map(int, np.unique(keys)):
         mine = np.flatnonzero(keys == key)
@@ -140,15 +149,15 @@ def e_step(samples, grid, before, cells, learns_alpha):
             densities = vertex_density(used[mine]), np.exp(mixture.log_density(w[mine]))
             by_bsdf = alpha * densities[0] / (alpha * densities[0] + (1 - alpha) * densities[1])
         share = mixture.shares(w[mine]) * (weights[mine] * (1 - by_bsdf))[:, None]
-        place = (points[mine] - grid.center(key)) / grid.side(level_of(key))
         result[key] = CellSums(
             share.T @ np.c_[w[mine], np.ones(len(mine))],
             by_bsdf @ weights[mine],
-            np.r_[share.T @ inverse[mine], weights[mine] @ place],
+            share.T @ inverse[mine],
+            1 / inverse[mine].max(),
             len(mine),
             weights[mine].sum(),
             mixture.log_density(w[mine]).min(),
-            used["direction"][mine].tolist(),
+            w[mine],
             unsure or key in doubts,
         )
     return result

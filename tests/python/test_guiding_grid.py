@@ -27,6 +27,7 @@ FRAMES = 6
 #: Cells of this part of the image's height hold some ten samples each at 32 x 32.
 CELL_SIZE = 0.15
 SUM_TOLERANCE = 2.0**-19  # of the samples' weight: single-precision exp; measured: 2^-21
+PACKED = 1e-4  # of a direction in 32 bits
 FIT_TOLERANCE = 0.01  # of kappa and weight; measured: 0.2%
 #: Under a moving camera, the middle of a cell that changes its level is a corner of finer ones, and rounding
 #: picks one of them.
@@ -64,7 +65,8 @@ class Recorded:
     @cached_property
     def sums(self):
         """The oracle's E-step."""
-        return oracle.e_step(self.samples, self.grid, *self.previous, self.learns_alpha)
+        parallax = self.knobs["splat"]["parallax"]
+        return oracle.e_step(self.samples, self.grid, *self.previous, self.learns_alpha, parallax)
 
 
 def training_samples(renderer):
@@ -98,7 +100,7 @@ def record(scene, graph, move=0.0, count=FRAMES, **knobs):
         renderer.set(name.replace("__", "."), value)
     place = renderer.camera["position"]
     values = renderer.knobs()
-    places = [oracle.PLACES] if values["splat"]["parallax"] else []
+    distances = [oracle.DISTANCES] if values["splat"]["parallax"] else []
     fit = values["fit"]
     memory = [oracle.MEMORY] if fit["pool"] or fit["decay"] > 0 or fit["parallax"] else []
     frames, before = [], None
@@ -106,7 +108,7 @@ def record(scene, graph, move=0.0, count=FRAMES, **knobs):
         renderer.move_camera(position=(place[0] + move * frame, place[1], place[2]))
         renderer.render(1)
         guide = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, *memory)
-        statistics = oracle.read_table(renderer.read_port("splat.statistics"), oracle.SUMS, *places)
+        statistics = oracle.read_table(renderer.read_port("splat.statistics"), oracle.SUMS, *distances)
         frames.append(
             Recorded(
                 in_added_rows(renderer, training_samples(renderer)), renderer.camera, statistics, guide, before, values
@@ -191,13 +193,15 @@ def check_sums(frame):
     for key in certain:
         found, cell = frame.statistics[1][key], sums[key]
         tolerance = SUM_TOLERANCE * cell.weight + cell.count / oracle.ONE
+        if frame.knobs["splat"]["parallax"]:  # single-precision places turn directions by their rounding over the distance
+            tolerance += 2.0**-20 * frame.grid.radius * cell.inverse.sum()
         assert np.abs(found[0]["lanes"].reshape(oracle.LOBES, 4) / oracle.ONE - cell.sums).max() < tolerance
         assert abs(found[0]["bsdf"] / oracle.ONE - cell.bsdf) < tolerance
         if len(found) > 1:
-            error = np.abs(found[1]["lanes"] / oracle.ONE - cell.places)
-            side = frame.grid.side(oracle.level_of(key))
-            assert error[:4].max() < SUM_TOLERANCE * cell.places[:4].sum() + cell.count / oracle.ONE
-            assert error[4:].max() < 1e-6 * frame.grid.radius / side * cell.weight + cell.count / oracle.ONE
+            error = np.abs(found[1]["lanes"] / oracle.ONE - cell.inverse)
+            # The rounding of places moves the inverse of a distance by its square.
+            rounding = 2.0**-20 * frame.grid.radius / cell.nearest
+            assert error.max() < (SUM_TOLERANCE + rounding) * cell.inverse.sum() + cell.count / oracle.ONE
 
 
 def check_strangest(frame):
@@ -205,7 +209,8 @@ def check_strangest(frame):
     sums, certain = expected_sums(frame)
     for key in certain:
         strangest = int(frame.statistics[1][key][0]["strangest"])
-        assert strangest & 0xFFFFFFFF in sums[key].directions
+        direction = oracle.unpack_direction(np.uint32(strangest & 0xFFFFFFFF))
+        assert np.linalg.norm(sums[key].directions - direction, axis=-1).min() < PACKED
         assert abs(128 - (strangest >> 32) / 256 - sums[key].worst) < 1 / 128
 
 

@@ -6,6 +6,9 @@ Stored positions are rounded to 2 x 10^-6 radii of the scene, directions to 3 x 
 that.
 """
 
+import subprocess
+import sys
+
 import guiding_oracle as oracle
 import numpy as np
 import pytest
@@ -142,6 +145,26 @@ def test_directions_of_another_pixel_are_found(frames):
     edge = (second - first)[here]
     w = oracle.unpack_direction(vertices["reuse.vertices"]["direction"][:, 0][here])
     assert ((edge * w).sum(-1) / np.linalg.norm(edge, axis=-1)).min() < 1 - 1e-5
+
+
+def test_paths_that_are_replayed_to_their_end_may_be_longer_than_what_is_kept(tmp_path):
+    """From a wall through a glass sphere to the sky: every bounce behind the first is sharp and replayed, and the path
+    has no reconnection vertex. With alpha = 1 the guide draws nothing: pictures do not depend on what is kept."""
+    subprocess.run([sys.executable, ROOT / "scripts/make_scenes.py", "cornell_glass", "--out", tmp_path], check=True)
+    scene = restirpg.load_scene(tmp_path / "cornell_glass.glb", environment="5,5,5")
+    graph = restirpg.load_graph(ROOT / "graphs" / "restir_pg.py").description
+    graph["outputs"] += [{"name": "reservoirs", "pass": "reuse", "output": "reservoirs"}]
+    pictures = []
+    for bounces in (64, 1):
+        renderer = make_renderer(scene, graph, seed=12)
+        renderer.set("paths.alpha", 1.0)
+        renderer.set("paths.guided_bounces", bounces)
+        renderer.render(4)
+        pictures.append(renderer.output("image"))
+        reservoirs = renderer.read_port("reuse.reservoirs").view(record("PathReservoir"))
+    edges, reconnection = reservoirs["shape"] & 0xFF, reservoirs["shape"] >> 8 & 0xFF
+    assert ((reservoirs["ucw"] > 0) & (edges > 3) & (reconnection == 0)).sum() > 20
+    assert np.array_equal(*pictures)
 
 
 def test_guided_bounces_are_the_first_ones_of_all(scene):

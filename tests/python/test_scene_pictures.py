@@ -12,6 +12,7 @@ import zlib
 
 import numpy as np
 import pytest
+from furnace_scenes import run_means
 from renderer_scenes import make_renderer, restirpg, write_outside
 
 ALBEDO = 0.8
@@ -168,6 +169,32 @@ def test_each_quad_has_its_radiance(tmp_path, backend):
     np.testing.assert_allclose(inner.ravel(), quads.expected, rtol=2e-3, atol=1e-6)
     # The quads differ: a cell taken for another would be seen.
     assert len({round(value, 3) for value in quads.expected}) >= 7
+
+
+def half_masked_lamp(file):
+    """A lamp over a wall; half of it is taken away by the alpha of its corners."""
+    quads = Quads()
+    quads.add(0, half=2)
+    corners = [(1, 1, 1, 0), (1, 1, 1, 1), (1, 1, 1, 1), (1, 1, 1, 0)]
+    lamp = {"base": [0, 0, 0, 1], "alphaMode": "MASK", "emissiveFactor": [1, 1, 1]}
+    facing_the_wall = {"translation": [-1.5, 1.5, 0.6], "rotation": [0, 1, 0, 0]}
+    quads.add(0, node=facing_the_wall, material=lamp, attributes={"COLOR_0": (corners, "VEC4")})
+    quads.write(file)
+    document = json.loads(file.read_text())
+    document["nodes"].pop()  # the directional light
+    del document["extensions"]
+    file.write_text(json.dumps(document))
+    return file
+
+
+def test_a_lamp_gives_no_light_from_where_a_mask_has_taken_it_away(tmp_path):
+    """Null hypothesis: emitter sampling and scattering alone have one expected image mean. 24 independent runs each, 4
+    standard errors of Welch's difference: a false alarm of 0.02%. Emitter sampling that does not see the mask doubles
+    the light."""
+    file = half_masked_lamp(tmp_path / "lamp.gltf")
+    sampled, found = (run_means(file, 24, 32, bounces=0, nee=nee) for nee in (True, False))
+    error = np.sqrt((sampled.var(ddof=1) + found.var(ddof=1)) / 24)
+    assert error < 0.05 * found.mean() and abs(sampled.mean() - found.mean()) < 4 * error
 
 
 def test_a_scene_reads_outside_of_its_folder_only_where_that_is_allowed(tmp_path):

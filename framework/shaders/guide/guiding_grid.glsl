@@ -10,7 +10,7 @@
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer GuidingHeaderRef { GuidingHeader at; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer GuidingKeyArray { uint64_t at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer GuidingSumsArray { GuidingSums at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) buffer GuidingPlaceSumsArray { GuidingPlaceSums at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer GuidingDistanceSumsArray { GuidingDistanceSums at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GuidingCellArray { GuidingCell at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GuidingMemoryArray { GuidingMemory at[]; };
 
@@ -29,9 +29,9 @@ GuidingSumsArray guiding_sums(Address statistics, uint capacity)
     return GuidingSumsArray(guiding_records(statistics, capacity));
 }
 
-GuidingPlaceSumsArray guiding_place_sums(Address statistics, uint capacity)
+GuidingDistanceSumsArray guiding_distance_sums(Address statistics, uint capacity)
 {
-    return GuidingPlaceSumsArray(guiding_records(statistics, capacity) + uint64_t(GUIDING_SUMS_BYTES) * capacity);
+    return GuidingDistanceSumsArray(guiding_records(statistics, capacity) + uint64_t(GUIDING_SUMS_BYTES) * capacity);
 }
 
 GuidingCellArray guiding_cells(Address guide, uint capacity)

@@ -1,7 +1,7 @@
 // The guiding grid: a hash table from places to mixtures of directions. Shared by C++ and GLSL: see types.h.
 //
 // Two buffers have this form, each a GuidingHeader, then `capacity` keys (64 bits, 0: empty slot), then one record a
-// slot: statistics (GuidingSums, then GuidingPlaceSums) as GuidingSplat adds them up in a frame, and the guide
+// slot: statistics (GuidingSums, then GuidingDistanceSums) as GuidingSplat adds them up in a frame, and the guide
 // (GuidingCell, then GuidingMemory) that GuidingFit makes of them. Each frame has fresh ones: nothing is ever mutated
 // in place [shaders/README: The guiding grid].
 #ifndef RESTIRPG_GUIDING_GRID_TYPES_H
@@ -55,10 +55,9 @@ struct GuidingSums {
     uint count;  ///< samples
 };
 
-/// Where the samples lie and how far they look, for parallax: lobe k's inverse distance (1/m), then the place within
-/// the cell, in cell sides.
-struct GuidingPlaceSums {
-    Address lanes[7];
+/// How far the samples look, for parallax: of lobe k's responsibilities times inverse distance, 1/m.
+struct GuidingDistanceSums {
+    Address lanes[4];
 };
 
 /// 12 bytes.
@@ -80,20 +79,20 @@ struct GuidingMemory {
     float sums[16];
     float bsdf;
     float count;
-    float places[7];  ///< as GuidingPlaceSums
+    float inverseDistances[4];  ///< as GuidingDistanceSums
 };
 
 // Bytes of the buffers' parts.
 RESTIRPG_CONST GUIDING_HEADER_BYTES = 80u;
 RESTIRPG_CONST GUIDING_KEY_BYTES = 8u;
 RESTIRPG_CONST GUIDING_SUMS_BYTES = 152u;
-RESTIRPG_CONST GUIDING_PLACE_SUMS_BYTES = 56u;
+RESTIRPG_CONST GUIDING_DISTANCE_SUMS_BYTES = 32u;
 RESTIRPG_CONST GUIDING_CELL_BYTES = 56u;
-RESTIRPG_CONST GUIDING_MEMORY_BYTES = 100u;
+RESTIRPG_CONST GUIDING_MEMORY_BYTES = 88u;
 
 #ifdef __cplusplus
 static_assert(sizeof(GuidingHeader) <= GUIDING_HEADER_BYTES && sizeof(GuidingSums) == GUIDING_SUMS_BYTES &&
-              sizeof(GuidingPlaceSums) == GUIDING_PLACE_SUMS_BYTES && sizeof(GuidingCell) == GUIDING_CELL_BYTES &&
+              sizeof(GuidingDistanceSums) == GUIDING_DISTANCE_SUMS_BYTES && sizeof(GuidingCell) == GUIDING_CELL_BYTES &&
               sizeof(GuidingMemory) == GUIDING_MEMORY_BYTES);
 #endif
 

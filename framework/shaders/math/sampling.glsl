@@ -98,12 +98,13 @@ struct AliasDraw {
 };
 
 /// One 40-bit uniform number from two floats of 24 bits, times the number of columns, split into integer and fraction.
-/// With one float alone a table of 20,000 columns would select some of them 0.1% too often. Up to 2^24 columns.
+/// With one float alone a table of 20,000 columns would select some of them 0.1% too often.
 AliasDraw draw_alias(uint columns, vec2 u)
 {
     uvec2 bits = uvec2(u * 16777216.0);
-    uint64_t product = ((uint64_t(bits.x) << 16) | uint64_t(bits.y >> 8)) * uint64_t(columns);
-    return AliasDraw(uint(product >> 40), float(uint(product >> 16) & 0xffffffu) * (1.0 / 16777216.0));
+    // The product without its last 16 bits. By its two parts, which have room for any number of columns.
+    uint64_t product = uint64_t(bits.x) * uint64_t(columns) + ((uint64_t(bits.y >> 8) * uint64_t(columns)) >> 16);
+    return AliasDraw(uint(product >> 24), float(uint(product) & 0xffffffu) * (1.0 / 16777216.0));
 }
 
 /// The balance heuristic for one sample of each of two techniques.

@@ -16,6 +16,16 @@ float log_one_plus(float z)
     return abs(z) < 0.1 ? z * (1.0 - z * (1.0 / 2.0 - z * (1.0 / 3.0 - z * (1.0 / 4.0 - z * (1.0 / 5.0 - z / 6.0))))) : log(1.0 + z);
 }
 
+/// Of less concentration a lobe is taken for uniform: single precision would lose its shape.
+const float LEAST_KAPPA = 1e-3;
+
+/// The concentration of a mean cosine below 1, approximately.  [Banerjee et al. 2005]
+float vmf_kappa(float mean_cosine)
+{
+    float kappa = mean_cosine * (3.0 - mean_cosine * mean_cosine) / (1.0 - mean_cosine * mean_cosine);
+    return kappa < LEAST_KAPPA ? 0.0 : kappa;
+}
+
 /// The density on the axis, 1/sr: kappa / (2 pi (1 - e^{-2 kappa})).
 float vmf_normalization(float kappa)
 {

@@ -2,6 +2,7 @@
 #ifndef RESTIRPG_LIGHTS_GLSL
 #define RESTIRPG_LIGHTS_GLSL
 
+#include "alpha_mask.glsl"
 #include "environment.glsl"
 #include "math/random.glsl"
 #include "triangle.glsl"
@@ -36,36 +37,28 @@ struct Emission {
     vec3 absorption;  ///< sigma_a on that side, 1/m: behind the surface of a solid
 };
 
-/// The texture's part of an emitter's radiance; 0 where an alpha mask takes the surface away.
+/// The texture's part of an emitter's radiance.
 vec3 textured_emission(uint material_index, uvec3 index, vec2 barycentrics)
 {
+    TextureRef map = load_map(material_index, MAP_EMISSIVE);
     vec3 weight = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
     VertexExtrasArray extras = VertexExtrasArray(SCENE.vertexExtras);
     Corners corners = load_corners(index);
     vec2 uv0 = mat3x2(corners.a.uv0, corners.b.uv0, corners.c.uv0) * weight;
     vec2 uv1 = mat3x2(extras.at[index.x].uv1, extras.at[index.y].uv1, extras.at[index.z].uv1) * weight;
-#if RESTIRPG_ALPHA_MASK
-    Material material = MaterialArray(SCENE.materials).at[material_index];
-    float alpha = material.alpha;
-    TextureRef base_color = load_map(material_index, MAP_BASE_COLOR);
-    if (base_color.index != INVALID_INDEX)
-        alpha *= fetch_texture(base_color, uv0, uv1).a;
-    if ((material.flags & MATERIAL_ALPHA_MASK) != 0u && alpha < material.alphaCutoff)
-        return vec3(0.0);
-#endif
-    TextureRef map = load_map(material_index, MAP_EMISSIVE);
-    return map.index == INVALID_INDEX ? vec3(1.0) : fetch_texture(map, uv0, uv1).rgb;
+    return fetch_texture(map, uv0, uv1).rgb;
 }
 
-/// What a triangle of a placed mesh emits at a point of it. `front`: to the side its winding faces.
+/// What a triangle of a placed mesh emits at a point of it: nothing where an alpha mask takes it away. `front`: to the side its winding faces.
 Emission emit_from_triangle(MeshTriangle triangle, vec2 barycentrics, bool front)
 {
     uint index = triangle.material & TRIANGLE_MATERIAL;
     PlainMaterial material = load_material(index);
-    if ((material.flags & MATERIAL_EMISSIVE) == 0u || (!front && (material.flags & MATERIAL_DOUBLE_SIDED) == 0u))
+    bool dark = (material.flags & MATERIAL_EMISSIVE) == 0u || (!front && (material.flags & MATERIAL_DOUBLE_SIDED) == 0u);
+    if (dark || !passes_alpha_mask(triangle, barycentrics))
         return Emission(vec3(0.0), vec3(0.0));
     Emission e = Emission(material.emission, front ? vec3(0.0) : material.absorption);
-    if ((material.flags & (MATERIAL_ALPHA_MASK | MATERIAL_EMISSION_TEXTURED)) != 0u)
+    if ((material.flags & MATERIAL_EMISSION_TEXTURED) != 0u)
         e.radiance *= textured_emission(index, triangle.vertices, barycentrics);
     return e;
 }

@@ -10,7 +10,7 @@ struct Surface {
     vec3 position;
     vec3 geometric_normal;
     float clearance;  ///< as in RayEnd
-    vec3 shading_normal;  ///< interpolated; the normal map is applied by evaluate_material
+    vec3 shading_normal;  ///< interpolated; shade_surface applies the normal map
     vec4 tangent;  ///< w: sign of the bitangent in world space; 0: no tangent
     vec2 uv0;
     vec2 uv1;

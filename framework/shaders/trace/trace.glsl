@@ -8,34 +8,16 @@
 #ifndef RESTIRPG_TRACE_GLSL
 #define RESTIRPG_TRACE_GLSL
 
+#include "scene/alpha_mask.glsl"
 #include "scene/triangle.glsl"
 
 /// Farther than any scene.
 const float RAY_INFINITY = 1e30;
 
 #if RESTIRPG_ALPHA_MASK
-/// Is the surface there at all, at this point of it?
 bool passes_alpha_mask(uint instance, uint triangle, vec2 barycentrics)
 {
-    MeshTriangle record = load_triangle(load_instance(instance), triangle);
-    uint material_index = record.material & TRIANGLE_MATERIAL;
-    if ((load_material(material_index).flags & MATERIAL_ALPHA_MASK) == 0u)
-        return true;
-    Material material = MaterialArray(SCENE.materials).at[material_index];
-    uvec3 index = record.vertices;
-    VertexExtrasArray extras = VertexExtrasArray(SCENE.vertexExtras);
-    vec3 corner = vec3(extras.at[index.x].color.a, extras.at[index.y].color.a, extras.at[index.z].color.a);
-    // Differences, so that equal corners give exactly their alpha: it may equal the cutoff.
-    float alpha = material.alpha * (corner.x + dot(barycentrics, corner.yz - corner.x));
-    TextureRef map = load_map(material_index, MAP_BASE_COLOR);
-    if (map.index != INVALID_INDEX) {
-        vec3 weight = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
-        Corners corners = load_corners(index);
-        vec2 uv0 = mat3x2(corners.a.uv0, corners.b.uv0, corners.c.uv0) * weight;
-        vec2 uv1 = mat3x2(extras.at[index.x].uv1, extras.at[index.y].uv1, extras.at[index.z].uv1) * weight;
-        alpha *= fetch_texture(map, uv0, uv1).a;
-    }
-    return alpha >= material.alphaCutoff;
+    return passes_alpha_mask(load_triangle(load_instance(instance), triangle), barycentrics);
 }
 #endif
 

@@ -15,7 +15,7 @@ VERTEX = record("PathVertex", position="<u8")
 SAMPLE = record("GuidingSample", vertex=fields_of(VERTEX))
 HEADER = record("GuidingHeader", grid=fields_of(record("GuidingGrid")))
 SUMS = record("GuidingSums", lanes="<i8", bsdf="<i8")
-PLACES = record("GuidingPlaceSums", lanes="<i8")
+DISTANCES = record("GuidingDistanceSums", lanes="<i8")
 CELL = record("GuidingCell", state=[("age", "<u2"), ("alpha", "<u2")])  # alpha in 65535ths
 MEMORY = record("GuidingMemory")
 CHAIN_CELL, CHAIN_HEADER = record("ChainCell"), record("ChainHeader")
