@@ -9,6 +9,7 @@
 #include "core/paths.h"
 #include "core/table.h"
 #include "image/metrics.h"
+#include "render/bounce_cap.h"
 #include "render/renderer.h"
 #include "scene/gltf.h"
 
@@ -77,7 +78,7 @@ void checkFiles(const RenderOptions& options)
 std::vector<std::filesystem::path> inputsOf(const RenderOptions& options, const Graph& graph, const Scene& scene)
 {
     std::vector<std::filesystem::path> inputs = scene.files;
-    for (const auto& file : {options.graph, options.reference, options.environment, options.display.config})
+    for (const auto& file : {options.graph, options.reference, options.display.config})
         if (!file.empty())
             inputs.emplace_back(file);
     const auto named = graph.namedFiles();
@@ -89,7 +90,7 @@ std::shared_ptr<const Scene> loadScene(const RenderOptions& options)
 {
     Scene scene = loadGltf(options.scene, options.allowOutside);
     if (!options.environment.empty())
-        scene.environment = loadEnvironment(options.environment);
+        replaceEnvironment(scene, options.environment);
     if (options.camera && *options.camera >= scene.cameras.size())
         fail("{}: there is no camera {}; the scene has {}, counted from 0", options.scene, *options.camera,
              scene.cameras.size());
@@ -100,17 +101,16 @@ std::shared_ptr<const Scene> loadScene(const RenderOptions& options)
 /// Bounce cap first (the user's, else the scene's own), then the knobs named one by one.
 void setKnobs(Graph& graph, const RenderOptions& options, const Scene& scene)
 {
-    if (const auto bounces = options.bounces ? options.bounces : scene.bounceCap) {
-        const uint32_t reached = graph.setKnobEverywhere("bounces", *bounces);
-        if (options.bounces && reached == 0)
-            fail("--bounces {}: no pass of graph '{}' has a knob 'bounces'", *bounces, graph.name());
-    }
+    const uint32_t reached = capBounces(graph, scene, options.bounces);
+    if (options.bounces && reached == 0)
+        fail("--bounces {}: no pass of graph '{}' has a knob 'bounces'", *options.bounces, graph.name());
     for (const auto& setting : options.knobs) {
         const auto equals = setting.find('=');
         if (equals == std::string::npos)
             fail("--set {}: write PASS.KNOB=VALUE, as in paths.bounces=4", setting);
         graph.setKnobFromText(setting.substr(0, equals), setting.substr(equals + 1));
     }
+    checkCapped(graph, scene, options.bounces);
 }
 
 const OutputPort& portOf(const Graph& graph, const GraphOutput& output)

@@ -55,10 +55,17 @@ fs::path withoutLinks(fs::path file)
     return file;
 }
 
-fs::path temporaryName(const fs::path& folder)
+/// Opens a new file in the folder; -1 where it cannot. A process of another container or host may have our number, so
+/// a name that is taken is passed over.
+int openTemporary(const fs::path& folder, fs::path& file)
 {
     static std::atomic<uint64_t> count = 0;
-    return folder / fmt::format(".restirpg-{}-{}.tmp", getpid(), count++);
+    int descriptor;
+    do {
+        file = folder / fmt::format(".restirpg-{}-{}.tmp", getpid(), count++);
+        descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    } while (descriptor < 0 && errno == EEXIST);
+    return descriptor;
 }
 
 /// Permissions of the file that is replaced. A failure is no error: the new file has the usual ones.
@@ -87,8 +94,7 @@ OutputFile::OutputFile(const fs::path& file) : file_(file), target_(withoutLinks
         fail("{}: cannot write: it is a folder; name a file", file.string());
     if (fs::exists(target_, ignored) && !fs::is_regular_file(target_, ignored))
         fail("{}: cannot write: it is a device or a pipe; name a file", file.string());
-    temporary_ = temporaryName(folder);
-    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
+    descriptor_ = openTemporary(folder, temporary_);
     if (descriptor_ < 0)
         failWith(errno);
     keepPermissions(descriptor_, target_);

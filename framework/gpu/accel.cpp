@@ -33,12 +33,10 @@ VkTransformMatrixKHR toRows(const glm::mat4x3& m)
 AccelerationStructures::AccelerationStructures(Device& device, std::span<const AccelerationMesh> meshes)
     : AccelerationStructures(device)
 {
-    for (const auto& mesh : meshes) {
+    for (const auto& mesh : meshes)
         meshes_.push_back(mesh.triangleCount == 0 ? Structure{}
                                                   : build(VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR,
                                                           triangleGeometry(mesh), mesh.triangleCount));
-        opaque_.push_back(mesh.opaque);
-    }
 }
 
 AccelerationStructures::~AccelerationStructures()

@@ -43,7 +43,6 @@ private:
 
     Device& device_;
     std::vector<Structure> meshes_;
-    std::vector<bool> opaque_;
     Structure top_;
     Buffer instances_;
 };

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <deque>
 #include <memory>
 
 namespace restirpg {
@@ -161,6 +162,41 @@ RTCDevice builderDevice()
     return device.get();
 }
 
+Box boundsOf(std::span<const RTCBuildPrimitive> primitives)
+{
+    Box bounds;
+    for (const auto& p : primitives) {
+        bounds.extend({p.lower_x, p.lower_y, p.lower_z});
+        bounds.extend({p.upper_x, p.upper_y, p.upper_z});
+    }
+    return bounds;
+}
+
+/// The tree of least depth, one primitive a leaf: halves along the longest axis. `nodes` keeps it.
+TreeNode* buildBalanced(std::span<RTCBuildPrimitive> primitives, std::deque<TreeNode>& nodes)
+{
+    TreeNode& node = nodes.emplace_back();
+    if (primitives.size() == 1) {
+        node.first = primitives.data();
+        node.count = 1;
+        return &node;
+    }
+    const Box bounds = boundsOf(primitives);
+    const glm::vec3 extent = bounds.upper - bounds.lower;
+    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+    const auto place = [axis](const RTCBuildPrimitive& p) {
+        const Box box = boundsOf({&p, 1});
+        return std::pair(0.5f * box.lower[axis] + 0.5f * box.upper[axis], p.primID);
+    };
+    const size_t half = primitives.size() / 2;
+    std::nth_element(primitives.begin(), primitives.begin() + std::ptrdiff_t(half), primitives.end(),
+                     [&](const auto& a, const auto& b) { return place(a) < place(b); });
+    const auto first = primitives.first(half), second = primitives.subspan(half);
+    node.children = {buildBalanced(first, nodes), buildBalanced(second, nodes)};
+    node.bounds = {boundsOf(first), boundsOf(second)};
+    return &node;
+}
+
 Bvh build(std::span<const Box> boxes, uint32_t maxLeafSize, const SourceTriangle* triangles)
 {
     Box all;
@@ -200,11 +236,19 @@ Bvh build(std::span<const Box> boxes, uint32_t maxLeafSize, const SourceTriangle
         primitives = toPrimitives(boxes);
         arguments.primitives = primitives.data();
         arguments.primitiveArrayCapacity = primitives.size();
+        rtcGetDeviceError(builderDevice());  // forgets that
         root = static_cast<const TreeNode*>(rtcBuildBVH(&arguments));
     }
+    std::deque<TreeNode> balanced;
+    const RTCError error = root ? RTC_ERROR_NONE : rtcGetDeviceError(builderDevice());
+    if (!root && error != RTC_ERROR_OUT_OF_MEMORY && boxes.size() <= uint64_t(1) << arguments.maxDepth) {
+        primitives = toPrimitives(boxes);  // they lie so that the heuristic's tree would be too deep
+        root = buildBalanced(primitives, balanced);
+    }
     if (!root)
-        fail("the bounding volume hierarchy of {} primitives could not be built (Embree error {}); is memory short?",
-             boxes.size(), int(rtcGetDeviceError(builderDevice())));
+        fail("the bounding volume hierarchy of {} {} could not be built (Embree error {}); is memory short, "
+             "or are they too many?",
+             boxes.size(), maxLeafSize == 1 ? "instances" : "triangles", int(error));
 
     if (root->first) {  // twice the same leaf, the second seen as a point that most rays miss
         const int leaf = Flattener(bvh).add(root);

@@ -28,7 +28,8 @@ struct Bvh {
 };
 
 /// Surface-area-heuristic build (binned) over at least one box, at most maxLeafSize <= 2^BVH_LEAF_BITS primitives a
-/// leaf. Deterministic: the same input gives the same nodes in the same order.
+/// leaf; where that would be too deep, of least depth. Deterministic: the same input gives the same nodes in the same
+/// order.
 Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeafSize);
 
 /// The hierarchy of a triangle soup with its triangles in leaf order.

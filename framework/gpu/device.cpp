@@ -69,7 +69,7 @@ void Device::submit(const std::function<void(VkCommandBuffer)>& record)
     submit.commandBufferCount = 1;
     submit.pCommandBuffers = &commands;
     logical_->submit(submit, fence_);
-    check(vkWaitForFences(device_, 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+    logical_->checkWork(vkWaitForFences(device_, 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences");
     check(vkResetFences(device_, 1, &fence_), "vkResetFences");
     if (const auto messages = validationMessages(); !messages.empty())
         throw std::runtime_error("Vulkan validation: " + messages.front());

@@ -35,7 +35,6 @@ public:
     VkPhysicalDevice physical() const { return logical_->physical(); }
     VkPipelineLayout pipelineLayout() const { return logical_->pipelineLayout(); }
     VkDescriptorSetLayout setLayout() const { return logical_->setLayout(); }
-    double timestampPeriod() const { return logical_->timestampPeriod(); }  ///< ns a tick
 
     /// A zeroed buffer, readable and writable by kernels through its address.
     Buffer createBuffer(uint64_t bytes, const std::string& name);

@@ -27,9 +27,10 @@ struct Required {
 const std::vector<Required>& requiredFeatures()
 {
     static const std::vector<Required> features = {
-        RESTIRPG_FEATURE(core.features, shaderInt64),         RESTIRPG_FEATURE(vulkan12, bufferDeviceAddress),
-        RESTIRPG_FEATURE(vulkan12, shaderBufferInt64Atomics), RESTIRPG_FEATURE(vulkan12, scalarBlockLayout),
-        RESTIRPG_FEATURE(vulkan12, hostQueryReset),
+        RESTIRPG_FEATURE(core.features, shaderInt64),
+        RESTIRPG_FEATURE(vulkan12, bufferDeviceAddress),
+        RESTIRPG_FEATURE(vulkan12, shaderBufferInt64Atomics),
+        RESTIRPG_FEATURE(vulkan12, scalarBlockLayout),
     };
     return features;
 }

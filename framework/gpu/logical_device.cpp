@@ -185,13 +185,19 @@ void refuseIncomplete(const DeviceDescription& device)
          device.name, device.driver, fmt::join(device.missing, ", "));
 }
 
-uint32_t computeQueueFamily(VkPhysicalDevice physical)
+std::vector<VkQueueFamilyProperties> queueFamilies(VkPhysicalDevice physical)
 {
     uint32_t count = 0;
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
     std::vector<VkQueueFamilyProperties> families(count);
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
-    for (uint32_t i = 0; i < count; ++i)
+    return families;
+}
+
+uint32_t computeQueueFamily(VkPhysicalDevice physical)
+{
+    const auto families = queueFamilies(physical);
+    for (uint32_t i = 0; i < families.size(); ++i)
         if ((families[i].queueFlags & VK_QUEUE_COMPUTE_BIT) && families[i].timestampValidBits > 0)
             return i;
     fail("the device has no compute queue with timestamps; choose another (`restirpg devices`)");
@@ -260,6 +266,11 @@ void check(VkResult result, const char* call)
         return;
     if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY)
         fail("the device is out of memory ({}); render a smaller image or a smaller scene", call);
+    if (result == VK_ERROR_DEVICE_LOST)
+        fail(
+            "the device is lost ({}): its driver failed, or ended work that took too long; make another renderer, of a "
+            "smaller size or window",
+            call);
     fail(
         "the Vulkan driver failed: {} gave VkResult {}; give the program more memory (ulimit -v), or update the driver",
         call, int(result));
@@ -283,7 +294,7 @@ std::shared_ptr<LogicalDevice> LogicalDevice::get(const DeviceOptions& options)
     auto& known = registry();
     std::lock_guard lock(known.mutex);
     auto& device = known.devices[{getpid(), options.device, options.backend, wantsValidation(options)}];
-    if (!device) {
+    if (!device || device->lost_) {
         device = std::make_shared<LogicalDevice>(options);
         static const int registered = std::atexit(release);
         (void)registered;
@@ -370,6 +381,7 @@ void LogicalDevice::createLayouts()
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(physical_, &properties);
     timestampPeriod_ = properties.limits.timestampPeriod;
+    timestampBits_ = queueFamilies(physical_)[queueFamily_].timestampValidBits;
 
     const VkDescriptorSetLayoutBinding binding{0, VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, 1,
                                                VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
@@ -401,7 +413,14 @@ void LogicalDevice::setName(uint64_t handle, VkObjectType type, const std::strin
 void LogicalDevice::submit(const VkSubmitInfo& work, VkFence fence)
 {
     std::lock_guard lock(queueMutex_);
-    check(vkQueueSubmit(queue_, 1, &work, fence), "vkQueueSubmit");
+    checkWork(vkQueueSubmit(queue_, 1, &work, fence), "vkQueueSubmit");
+}
+
+void LogicalDevice::checkWork(VkResult result, const char* call)
+{
+    if (result == VK_ERROR_DEVICE_LOST)
+        lost_ = true;
+    check(result, call);
 }
 
 void LogicalDevice::addMessage(const std::string& message)

@@ -5,6 +5,7 @@
 
 #include <volk.h>
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -39,11 +40,17 @@ struct DeviceDescription {
 
 std::vector<DeviceDescription> listDevices();
 
+/// Ticks from one time stamp to a later one, which have so many bits (timestampValidBits) and start over at 0.
+constexpr uint64_t ticksBetween(uint64_t begin, uint64_t end, uint32_t bits)
+{
+    return (end - begin) & (UINT64_MAX >> (64 - bits));
+}
+
 /// Every function may be called by several threads at once.
 class LogicalDevice {
 public:
-    /// The one of this process for these options. It lives until the process ends, for the sake of its pipelines.
-    /// Throws Error naming the device, the missing feature and what would provide it.
+    /// The one of this process for these options. Unless it is lost, it lives until the process ends, for the sake of
+    /// its pipelines. Throws Error naming the device, the missing feature and what would provide it.
     static std::shared_ptr<LogicalDevice> get(const DeviceOptions& options);
 
     explicit LogicalDevice(const DeviceOptions& options);
@@ -62,13 +69,19 @@ public:
     uint32_t queueFamily() const { return queueFamily_; }
     VkPipelineLayout pipelineLayout() const { return pipelineLayout_; }
     VkDescriptorSetLayout setLayout() const { return setLayout_; }
-    double timestampPeriod() const { return timestampPeriod_; }  ///< ns a tick
+    /// Milliseconds between two time stamps of the queue.
+    double milliseconds(uint64_t begin, uint64_t end) const
+    {
+        return double(ticksBetween(begin, end, timestampBits_)) * timestampPeriod_ * 1e-6;
+    }
 
     const ShaderObjects& shaderObjects() const { return shaderObjects_; }  ///< what kernels are, if any
 
     PipelineCache& pipelines() { return pipelines_; }
     void setName(uint64_t handle, VkObjectType type, const std::string& name) const;
     void submit(const VkSubmitInfo& work, VkFence fence);
+    /// As check() below, of a call that gives the device work or waits for it. Once it is lost, get() makes another.
+    void checkWork(VkResult result, const char* call);
 
     /// Messages of the validation layer so far, but for the first ones.
     std::vector<std::string> messages(size_t first = 0) const;
@@ -92,7 +105,9 @@ private:
     std::mutex queueMutex_;
     VkDescriptorSetLayout setLayout_ = VK_NULL_HANDLE;
     VkPipelineLayout pipelineLayout_ = VK_NULL_HANDLE;
-    double timestampPeriod_ = 1;
+    double timestampPeriod_ = 1;  ///< ns a tick
+    uint32_t timestampBits_ = 64;
+    std::atomic<bool> lost_ = false;
     ShaderObjects shaderObjects_;
     PipelineCache pipelines_{*this};
     mutable std::mutex messageMutex_;

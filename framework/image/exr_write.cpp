@@ -76,6 +76,19 @@ private:
     OutputFile& output_;
 };
 
+/// The library refuses names of the header's own attributes, which are no text.
+void insertAttributes(const fs::path& file, const std::map<std::string, std::string>& attributes, Imf::Header& header)
+{
+    for (const auto& [name, value] : attributes) {
+        try {
+            header.insert(name, Imf::StringAttribute(value));
+        } catch (const std::exception& error) {
+            fail("{}: cannot write: attribute '{}': {}; choose another name for it", file.string(), name,
+                 firstLine(error.what()));
+        }
+    }
+}
+
 void storePixels(const fs::path& file, const Imf::Header& header, const Imf::FrameBuffer& pixels)
 {
     OutputFile output(file);
@@ -105,8 +118,7 @@ void writeExr(const fs::path& file, const std::vector<Layer>& layers, PixelType 
 
     Imf::Header header{int(width), int(height)};
     header.compression() = Imf::ZIP_COMPRESSION;
-    for (const auto& [name, value] : attributes)
-        header.insert(name, Imf::StringAttribute(value));
+    insertAttributes(file, attributes, header);
 
     std::vector<std::vector<half>> halves(layers.size());
     Imf::FrameBuffer pixels;

@@ -18,6 +18,9 @@ constexpr const char* READ_EXR =
 R, G, B of the plain layer, or of `layer`; a layer with the one channel Y three times; one with X, Y as X, Y, 0.
 Raises Error for a file that is missing, damaged, deep or has no such layer.)";
 
+constexpr const char* READ_ATTRIBUTES =
+    R"(The text attributes of an EXR file's header, as a dictionary. Bytes that are no UTF-8 become \xff.)";
+
 constexpr const char* WRITE_EXR =
     R"(Write float arrays of one size as the layers of an EXR file (ZIP), whole or not at all.
 
@@ -36,6 +39,23 @@ mape: mean of |I - R| / (0.01 mean(Y_R) + Y_R), Y the Rec.709 luminance (Zeng et
 relmse: mean of (I - R)^2 / (R^2 + 0.01). rmse: root of the mean squared difference.
 bias: (mean(I) - mean(R)) / mean(R), signed. All means are over pixels and channels.
 invalid: number of pixels with NaN or infinity in either image, left out of all means.)";
+
+/// Other programs write other encodings.
+py::str asText(const std::string& bytes)
+{
+    const auto text = PyUnicode_DecodeUTF8(bytes.data(), py::ssize_t(bytes.size()), "backslashreplace");
+    if (!text)
+        throw py::error_already_set();
+    return py::reinterpret_steal<py::str>(text);
+}
+
+py::dict readAttributes(const fs::path& file)
+{
+    py::dict result;
+    for (const auto& [name, value] : readExrAttributes(file))
+        result[asText(name)] = asText(value);
+    return result;
+}
 
 void writeLayers(const fs::path& file, const py::dict& layers, bool half,
                  const std::map<std::string, std::string>& attributes)
@@ -72,8 +92,7 @@ void bindImage(py::module_& module)
     module.def(
         "read_exr", [](const fs::path& file, const std::string& layer) { return toArray(readExr(file, layer)); },
         READ_EXR, "file"_a, "layer"_a = "");
-    module.def("read_exr_attributes", &readExrAttributes,
-               "The text attributes of an EXR file's header, as a dictionary.", "file"_a);
+    module.def("read_exr_attributes", &readAttributes, READ_ATTRIBUTES, "file"_a);
     module.def("write_exr", &writeLayers, WRITE_EXR, "file"_a, "layers"_a, "half"_a = false,
                "attributes"_a = std::map<std::string, std::string>());
     module.def(

@@ -3,6 +3,7 @@
 
 #include "core/error_kinds.h"
 #include "core/paths.h"
+#include "render/bounce_cap.h"
 #include "shared_renderer.h"
 
 #include <optional>
@@ -20,9 +21,8 @@ or None for what suits the device. validation: run under the Vulkan validation l
 0: the scene stands still. time: of the first frame, s. energy_compensation: rough metal and glass give back the light that
 single-scattering GGX loses. outputs: more outputs than the graph has: ports of its passes, as "albedo", "normal" and "depth",
 or "pass.port" where several passes have a port of that name. They cost nothing where they are not asked for. window: (x, y,
-width, height) in pixels, what alone is rendered of the picture, as it is there; None: all of it.
-
-A scene that has a bounce cap of its own sets the knob "bounces" of every pass to it.
+width, height) in pixels, what alone is rendered of the picture, as it is there; None: all of it. bounces: what the knob
+"bounces" of every pass that has it is set to; None: to the scene's own bounce cap, where it has one.
 
 Threads may share a renderer: their calls take turns, those to render between two frames. A forked process cannot use it.
 `with Renderer(...) as renderer:` gives back the device's memory at its end.)";
@@ -71,8 +71,9 @@ the last column.)";
 constexpr const char* SAVE =
     R"(Write outputs as one EXR, whose name ends in .exr: the first as R, G, B, the others as layers.
 
-half: half floats. output: write only this one, or only those of a list. The header carries the graph, its knobs, seed, frames, scene, device and
-commit.)";
+half: half floats. output: write only this one, or only those of a list. The header carries the
+graph, its knobs, seed, frames, scene, device and commit, and what of time, camera, environment, moved nodes and edits is not
+the default.)";
 
 constexpr const char* RELOAD =
     R"(Read kernels, their headers and the graph anew, and go on with them: what was edited is seen. Implies cut().
@@ -102,13 +103,13 @@ std::filesystem::path fileOf(const py::object& graph)
 
 /// A graph as a renderer of the scene takes it. `outputs`: that it gets besides its own.
 std::unique_ptr<Graph> checkedGraph(nlohmann::json description, const Scene& scene,
-                                    const std::vector<std::string>& outputs)
+                                    const std::vector<std::string>& outputs, std::optional<uint32_t> bounces)
 {
     auto graph = std::make_unique<Graph>(std::move(description), Plugins());
-    if (scene.bounceCap)
-        graph->setKnobEverywhere("bounces", *scene.bounceCap);
     for (const auto& name : outputs)
         graph->addOutput(name);
+    capBounces(*graph, scene, bounces);
+    checkCapped(*graph, scene, bounces);
     return graph;
 }
 
@@ -116,7 +117,7 @@ std::unique_ptr<SharedRenderer>
 makeRenderer(const std::shared_ptr<Scene>& scene, const py::object& graph, const std::pair<uint32_t, uint32_t>& size,
              uint32_t seed, const std::optional<py::object>& device, const std::optional<std::string>& backend,
              bool validation, float fps, float time, bool energyCompensation, const std::vector<std::string>& outputs,
-             const std::optional<std::array<uint32_t, 4>>& window)
+             const std::optional<std::array<uint32_t, 4>>& window, std::optional<uint32_t> bounces)
 {
     RendererOptions options;
     options.width = size.first;
@@ -131,8 +132,9 @@ makeRenderer(const std::shared_ptr<Scene>& scene, const py::object& graph, const
     auto description = describe(graph);
     auto file = fileOf(graph);
     py::gil_scoped_release release;
-    auto renderer = std::make_unique<Renderer>(scene, checkedGraph(std::move(description), *scene, outputs), options);
-    return std::make_unique<SharedRenderer>(std::move(renderer), std::move(file), outputs);
+    auto renderer =
+        std::make_unique<Renderer>(scene, checkedGraph(std::move(description), *scene, outputs, bounces), options);
+    return std::make_unique<SharedRenderer>(std::move(renderer), std::move(file), outputs, bounces);
 }
 
 void reload(SharedRenderer& shared, const py::object& graph)
@@ -145,7 +147,7 @@ void reload(SharedRenderer& shared, const py::object& graph)
             file = shared.graphFile;
             description = file.empty() ? renderer.graph().description() : readGraphFile(file);
         }
-        renderer.reload(checkedGraph(std::move(description), renderer.scene(), shared.outputs));
+        renderer.reload(checkedGraph(std::move(description), renderer.scene(), shared.outputs, shared.bounces));
         shared.graphFile = std::move(file);
     });
 }
@@ -314,7 +316,8 @@ void bindRenderer(py::module_& module)
     renderer
         .def(py::init(&makeRenderer), py::arg("scene").none(false), "graph"_a, "size"_a, "seed"_a = 0,
              "device"_a = py::none(), "backend"_a = py::none(), "validation"_a = false, "fps"_a = 0.0f, "time"_a = 0.0f,
-             "energy_compensation"_a = false, "outputs"_a = std::vector<std::string>(), "window"_a = py::none())
+             "energy_compensation"_a = false, "outputs"_a = std::vector<std::string>(), "window"_a = py::none(),
+             "bounces"_a = py::none())
         .def("render", &render, RENDER, "frames"_a = 1)
         .def_property_readonly("frame", shared(&Renderer::frame), "Frames rendered since the last cut.")
         .def_property_readonly(

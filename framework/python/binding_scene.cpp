@@ -31,7 +31,7 @@ std::shared_ptr<Scene> loadScene(const fs::path& file, uint32_t camera, const st
 {
     auto scene = std::make_shared<Scene>(loadGltf(file, allowOutside));
     if (environment)
-        scene->environment = loadEnvironment(*environment);
+        replaceEnvironment(*scene, *environment);
     if (camera >= scene->cameras.size())
         failAs<WrongValue>("{}: there is no camera {}; the scene has {}, counted from 0", file.string(), camera,
                            scene->cameras.size());
@@ -102,7 +102,7 @@ void bindScene(py::module_& module)
             "cameras", [](const Scene& scene) { return scene.cameras.size(); }, "Number of cameras.")
         .def_property_readonly("nodes", &nodeNames, "Names of the nodes, for Renderer.move_node.")
         .def("__repr__", [](const Scene& scene) {
-            return fmt::format("<restirpg.Scene {}: {} triangles>", scene.file.string(),
+            return fmt::format("<restirpg.Scene {}: {} triangles>", escaped(scene.file.string()),
                                scene.instancedTriangleCount());
         });
     module.def("load_scene", &loadScene, LOAD_SCENE, "file"_a, "camera"_a = 0, "environment"_a = py::none(),

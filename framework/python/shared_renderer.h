@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,10 +48,11 @@ private:
 /// two locks are waited for at once.
 class SharedRenderer {
 public:
-    /// graphFile: that the graph was read from, or empty. outputs: that it got besides its own.
+    /// graphFile: that the graph was read from, or empty. outputs: that it got besides its own. bounces: in place of
+    /// the scene's own cap.
     SharedRenderer(std::unique_ptr<Renderer> renderer, std::filesystem::path graphFile,
-                   std::vector<std::string> outputs)
-        : graphFile(std::move(graphFile)), outputs(std::move(outputs)), renderer_(std::move(renderer))
+                   std::vector<std::string> outputs, std::optional<uint32_t> bounces)
+        : graphFile(std::move(graphFile)), outputs(std::move(outputs)), bounces(bounces), renderer_(std::move(renderer))
     {
     }
     ~SharedRenderer()
@@ -77,6 +79,7 @@ public:
 
     std::filesystem::path graphFile;
     const std::vector<std::string> outputs;
+    const std::optional<uint32_t> bounces;
 
     /// Give back what it has of the device. Later calls throw Error.
     void close()

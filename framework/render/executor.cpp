@@ -71,25 +71,27 @@ void Executor::setKnob(GraphPass& pass, const std::string& knob, const nlohmann:
     GraphPass fresh = graph_->copyOf(pass);
     set(fresh);
     replace(pass, std::move(fresh));
-    followSizes();
     cut();
 }
 
-/// Give the outputs that follow the size of an input their new size. Passes learn such sizes as they record, so none is
-/// built anew.
-void Executor::followSizes()
+/// Buffers for the outputs of other passes that follow the size of one of `changed`. Passes learn such sizes as they
+/// record, so none is built anew.
+std::vector<Executor::Replacement> Executor::allocateFollowing(const GraphPass& changed)
 {
+    std::vector<Replacement> outputs;
     for (auto& resource : resources_) {
         const auto& pass = graph_->passes()[resource.plan.pass];
-        if (resource.copies[0].bytes() != pass.interface.outputs()[resource.plan.output].type.bytes(width_, height_))
-            resource.copies = allocate(resource.plan, pass);
+        if (&pass != &changed &&
+            resource.copies[0].bytes() != pass.interface.outputs()[resource.plan.output].type.bytes(width_, height_))
+            outputs.emplace_back(&resource, allocate(resource.plan, pass));
     }
+    return outputs;
 }
 
 /// Build `fresh` with outputs of its own, then put both in place of `pass` and its outputs.
 void Executor::replace(GraphPass& pass, GraphPass fresh)
 {
-    std::vector<std::pair<Resource*, Copies>> outputs;
+    std::vector<Replacement> outputs;
     for (auto& resource : resources_)
         if (&graph_->passes()[resource.plan.pass] == &pass)
             outputs.emplace_back(&resource, allocate(resource.plan, fresh));
@@ -97,9 +99,17 @@ void Executor::replace(GraphPass& pass, GraphPass fresh)
         fresh.interface.outputs()[resource->plan.output].target->resource = &copies[resource->current];
     build(fresh);
     runPlugin(placeOf(fresh) + ": ", [&] { device_.finishKernels(); });
-    pass = std::move(fresh);
-    for (auto& [resource, copies] : outputs)
-        resource->copies = std::move(copies);
+    std::swap(pass, fresh);  // other passes ask the graph for the sizes that they follow
+    std::vector<Replacement> following;
+    try {
+        following = allocateFollowing(pass);
+    } catch (...) {
+        std::swap(pass, fresh);
+        throw;
+    }
+    for (auto* list : {&outputs, &following})
+        for (auto& [resource, copies] : *list)
+            resource->copies = std::move(copies);
 }
 
 /// Point every port at this frame's buffers.
@@ -167,13 +177,13 @@ void Executor::readTimes()
 {
     const auto& order = graph_->order();
     std::vector<uint64_t> stamps(2 * order.size());
-    check(vkGetQueryPoolResults(device_.handle(), queries_, 0, uint32_t(stamps.size()),
-                                stamps.size() * sizeof(uint64_t), stamps.data(), sizeof(uint64_t),
-                                VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
-          "vkGetQueryPoolResults");
+    device_.logical().checkWork(vkGetQueryPoolResults(device_.handle(), queries_, 0, uint32_t(stamps.size()),
+                                                      stamps.size() * sizeof(uint64_t), stamps.data(), sizeof(uint64_t),
+                                                      VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+                                "vkGetQueryPoolResults");
     for (size_t i = 0; i < order.size(); ++i) {
         const std::string& name = graph_->passes()[order[i]].name;
-        const double milliseconds = double(stamps[2 * i + 1] - stamps[2 * i]) * device_.timestampPeriod() * 1e-6;
+        const double milliseconds = device_.logical().milliseconds(stamps[2 * i], stamps[2 * i + 1]);
         times_[name] = milliseconds;
         totalTimes_[name] += milliseconds;
     }

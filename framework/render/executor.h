@@ -54,8 +54,9 @@ private:
     using Copies = std::array<Buffer, 2>;
     Copies allocate(const PlannedResource& plan, const GraphPass& pass);
     void build(GraphPass& pass);
+    using Replacement = std::pair<Resource*, Copies>;  ///< what takes the place of its copies
+    std::vector<Replacement> allocateFollowing(const GraphPass& changed);
     void replace(GraphPass& pass, GraphPass fresh);
-    void followSizes();
     void connect();
     void record(VkCommandBuffer commands, const BindingSet& bindings);
     void readTimes();

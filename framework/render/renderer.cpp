@@ -4,6 +4,7 @@
 #include "core/paths.h"
 #include "render/executor.h"
 #include "render/version.h"
+#include "scene/edit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -63,11 +64,11 @@ void checkOptions(const RendererOptions& options)
 }  // namespace
 
 Renderer::Renderer(std::shared_ptr<const Scene> scene, std::unique_ptr<Graph> graph, const RendererOptions& options)
-    : options_(options), scene_(std::move(scene)), overrides_(scene_->nodes.size()), time_(options.time)
+    : options_(options), scene_(std::move(scene)), overrides_(scene_->nodes.size()), start_(options.time)
 {
     checkOptions(options_);
     device_ = std::make_unique<Device>(options_.device);
-    sceneGpu_ = std::make_unique<SceneGpu>(*device_, *scene_, poseNodes(*scene_, time_, overrides_),
+    sceneGpu_ = std::make_unique<SceneGpu>(*device_, *scene_, poseNodes(*scene_, time(), overrides_),
                                            options_.energyCompensation);
     executor_ =
         std::make_unique<Executor>(*device_, std::move(graph), window().width, window().height, options_.compiling);
@@ -91,7 +92,7 @@ FrameConstants Renderer::constants() const
     constants.scene = sceneGpu_->table();
     const auto& node = scene_->cameras[scene_->camera];
     const float aspect = float(options_.width) / float(options_.height);
-    const auto pose = poseNodes(*scene_, time_, overrides_);
+    const auto pose = poseNodes(*scene_, time(), overrides_);
     CameraNode camera = node;
     glm::mat4 toWorld = pose[node.node];
     if (cameraOverride_) {
@@ -106,20 +107,28 @@ FrameConstants Renderer::constants() const
     constants.corner = {seen.x, seen.y};
     constants.picture = {options_.width, options_.height};
     constants.seed = options_.seed;
-    constants.time = time_;
+    constants.time = time();
     return constants;
 }
 
 void Renderer::render(uint32_t frames)
 {
     for (uint32_t i = 0; i < frames; ++i) {
-        sceneGpu_->update(poseNodes(*scene_, time_, overrides_));
+        if (frame() == 0)
+            setTime(time());  // the run begins here
+        sceneGpu_->update(poseNodes(*scene_, time(), overrides_));
         const FrameConstants current = constants();
         executor_->run(current, sceneGpu_->bindings());
         previousCamera_ = current.camera;
-        if (options_.framesPerSecond > 0)
-            time_ += 1 / options_.framesPerSecond;
+        ++framesSinceStart_;
     }
+}
+
+/// Of the next frame.
+float Renderer::time() const
+{
+    const double rate = options_.framesPerSecond;
+    return rate > 0 ? float(start_ + double(framesSinceStart_) / rate) : start_;
 }
 
 Image Renderer::output(const std::string& name)
@@ -183,7 +192,7 @@ CameraPose Renderer::camera() const
 /// Of a camera node now; the target is one metre ahead.
 CameraPose Renderer::poseOf(const CameraNode& camera) const
 {
-    const auto toWorld = poseNodes(*scene_, time_, overrides_)[camera.node];
+    const auto toWorld = poseNodes(*scene_, time(), overrides_)[camera.node];
     const glm::vec3 position = glm::vec3(toWorld[3]) + scene_->origin;
     return {position, position - glm::normalize(glm::vec3(toWorld[2])), glm::normalize(glm::vec3(toWorld[1])),
             camera.yfov};
@@ -237,7 +246,8 @@ void Renderer::moveNode(size_t node, const glm::mat4& local)
 void Renderer::setTime(float seconds)
 {
     checkTime(seconds);
-    time_ = seconds;
+    start_ = seconds;
+    framesSinceStart_ = 0;
 }
 
 Window Renderer::window() const
@@ -288,7 +298,7 @@ std::map<std::string, std::string> Renderer::provenance() const
         {"restirpg.frames", std::to_string(frame())},
         {"restirpg.size", fmt::format("{}x{}", options_.width, options_.height)},
         {"restirpg.window", fmt::format("{},{},{},{}", window().x, window().y, window().width, window().height)},
-        {"restirpg.scene", scene_->file.filename().string()},
+        {"restirpg.scene", escaped(scene_->file.filename().string())},
         {"restirpg.sceneHash", scene_->hash},
         {"restirpg.device", device.name},
         {"restirpg.driver", device.driver},
@@ -302,7 +312,26 @@ std::map<std::string, std::string> Renderer::provenance() const
     }
     if (!edits_.empty())
         attributes["restirpg.sceneEdits"] = textOf(edits_);
+    if (const auto moved = matricesOf(*scene_, overrides_); !moved.empty())
+        attributes["restirpg.movedNodes"] = textOf(moved);
+    addView(attributes);
     return attributes;
+}
+
+/// What was asked for besides the scene's own camera, light and time.
+void Renderer::addView(std::map<std::string, std::string>& attributes) const
+{
+    if (start_ != 0)
+        attributes["restirpg.time"] = fmt::format("{}", start_);
+    if (options_.framesPerSecond != 0)
+        attributes["restirpg.fps"] = fmt::format("{}", options_.framesPerSecond);
+    if (scene_->camera != 0)
+        attributes["restirpg.camera"] = std::to_string(scene_->camera);
+    if (const auto& given = scene_->givenEnvironment) {
+        attributes["restirpg.environment"] = escaped(given->name);
+        if (!given->hash.empty())
+            attributes["restirpg.environmentHash"] = given->hash;
+    }
 }
 
 void Renderer::save(const std::filesystem::path& file, PixelType type, const std::vector<std::string>& only)

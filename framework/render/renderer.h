@@ -52,7 +52,8 @@ public:
     Renderer(std::shared_ptr<const Scene> scene, std::unique_ptr<Graph> graph, const RendererOptions& options);
     ~Renderer();
 
-    /// Render n more frames. Frame f of a run is rendered at time + f / framesPerSecond.
+    /// Render n more frames. Frame f since the last cut or setTime is rendered at the time of the first one
+    /// + f / framesPerSecond.
     void render(uint32_t frames = 1);
     uint32_t frame() const;  ///< frames rendered since the last cut
 
@@ -115,8 +116,9 @@ public:
     Device& device() { return *device_; }
     const RendererOptions& options() const { return options_; }
 
-    /// What an EXR header carries: graph JSON, knobs, seed, frames, size, scene file and hash, the camera's pose where
-    /// it was moved, what edit() changed, device, driver, back end, commit.
+    /// What an EXR header carries: graph JSON, knobs, seed, frames, size, scene file and hash, device, driver, back
+    /// end, commit; where they are not the default, time of the first frame, frames per second, camera and its pose,
+    /// environment, moved nodes, and what edit() changed. What was changed between frames is told as it is now.
     std::map<std::string, std::string> provenance() const;
     /// Write outputs as one EXR: the first plain, the others as layers. `only`: these, which must be images; empty: all
     /// that are images.
@@ -126,6 +128,8 @@ public:
 private:
     CameraPose poseOf(const CameraNode& camera) const;
     FrameConstants constants() const;
+    float time() const;
+    void addView(std::map<std::string, std::string>& attributes) const;
 
     RendererOptions options_;
     std::shared_ptr<const Scene> scene_;
@@ -138,7 +142,8 @@ private:
     std::vector<std::optional<glm::mat4>> overrides_;
     std::optional<CameraPose> cameraOverride_;
     std::optional<Camera> previousCamera_;
-    float time_ = 0;
+    float start_ = 0;  ///< s, time of the first frame since the last cut or setTime
+    uint32_t framesSinceStart_ = 0;
 };
 
 }  // namespace restirpg

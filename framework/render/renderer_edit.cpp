@@ -79,7 +79,7 @@ void Renderer::edit(const std::map<std::string, std::vector<float>>& values)
     } else {
         auto scene = std::make_shared<Scene>(*scene_);
         editScene(*scene, values);
-        sceneGpu_ = std::make_unique<SceneGpu>(*device_, *scene, poseNodes(*scene, time_, overrides),
+        sceneGpu_ = std::make_unique<SceneGpu>(*device_, *scene, poseNodes(*scene, time(), overrides),
                                                options_.energyCompensation);
         scene_ = edited_ = std::move(scene);
         overrides_ = std::move(overrides);

@@ -216,6 +216,17 @@ void editScene(Scene& scene, const std::map<std::string, std::vector<float>>& va
         parameter->set(scene, numbers);
 }
 
+std::map<std::string, std::vector<float>> matricesOf(const Scene& scene,
+                                                     const std::vector<std::optional<glm::mat4>>& overrides)
+{
+    const auto keys = nodesOf(scene).keys;
+    std::map<std::string, std::vector<float>> matrices;
+    for (size_t i = 0; i < overrides.size(); ++i)
+        if (overrides[i])
+            matrices["nodes." + keys[i] + ".matrix"] = asRows(*overrides[i]);
+    return matrices;
+}
+
 std::optional<size_t> nodeOfPath(const Scene& scene, const std::string& path)
 {
     if (path.rfind("nodes.", 0) != 0)

@@ -32,6 +32,10 @@ std::vector<SceneParameter> parametersOf(const Scene& scene,
 /// path; the scene is as before then.
 void editScene(Scene& scene, const std::map<std::string, std::vector<float>>& values);
 
+/// The matrices of the nodes that a user moved, row by row, by their paths as editScene takes them.
+std::map<std::string, std::vector<float>> matricesOf(const Scene& scene,
+                                                     const std::vector<std::optional<glm::mat4>>& overrides);
+
 /// The place in Scene::nodes that a path is of; nothing where it is of no node.
 std::optional<size_t> nodeOfPath(const Scene& scene, const std::string& path);
 

@@ -1,6 +1,7 @@
 #include "core/error.h"
 #include "image/image.h"
 #include "scene/gltf.h"
+#include "scene/gltf_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,6 +56,19 @@ Environment loadEnvironment(const std::string& source)
     environment.texture = toTexture(readRadiance(source), source);
     environment.radiance = glm::vec3(1);
     return environment;
+}
+
+void replaceEnvironment(Scene& scene, const std::string& source)
+{
+    scene.environment = loadEnvironment(source);
+    const glm::vec3 radiance = scene.environment->radiance;
+    scene.givenEnvironment = {fmt::format("{},{},{}", radiance.x, radiance.y, radiance.z), ""};
+    if (!scene.environment->texture)
+        return;
+    const auto bytes = gltf::readBytes(source);
+    scene.givenEnvironment = {scene.environment->texture->name,
+                              fmt::format("{:016x}", gltf::hashBytes(bytes.data(), bytes.size()))};
+    scene.files.emplace_back(source);
 }
 
 }  // namespace restirpg

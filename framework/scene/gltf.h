@@ -26,4 +26,7 @@ Scene loadGltf(const std::filesystem::path& file, bool allowOutside = false);
 /// Read an equirectangular environment (.exr, .hdr), or parse "r,g,b" as a constant radiance.
 Environment loadEnvironment(const std::string& source);
 
+/// Light the scene by loadEnvironment(source) in place of its own environment. The file joins Scene::files.
+void replaceEnvironment(Scene& scene, const std::string& source);
+
 }  // namespace restirpg

@@ -139,7 +139,7 @@ std::vector<uint8_t> bufferBytes(File& file, size_t index, const json& buffer, s
     } else if (Resources::isData(uri)) {
         bytes = file.resources.readData(uri, place);
     } else {
-        file.external.push_back(file.resources.resolveUri(uri, place));
+        file.external.push_back(file.resources.resolveExisting(uri, place));
         bytes = readBytes(file.external.back());
         hash = hashBytes(bytes.data(), bytes.size(), hash);
     }
@@ -149,8 +149,20 @@ std::vector<uint8_t> bufferBytes(File& file, size_t index, const json& buffer, s
     return bytes;
 }
 
-/// Read what the file refers to, and put names of our own in the place of its URIs. A missing image stays missing: only
-/// a texture that needs it minds.
+/// The bytes of an image's file, none where it is missing: decodeImage minds, should a material show it.
+std::vector<uint8_t> imageBytes(File& file, const std::string& uri, const std::string& place, uint64_t& hash)
+{
+    const auto path = file.resources.resolveUri(uri, place);
+    std::vector<uint8_t> bytes;
+    if (std::filesystem::exists(path)) {
+        bytes = readBytes(path);
+        file.external.push_back(path);
+    }
+    hash = hashBytes(bytes.data(), bytes.size(), hash);
+    return bytes;
+}
+
+/// Read what the file refers to, and put names of our own in the place of its URIs.
 Contents readContents(File& file, json& root, std::span<const uint8_t> binary, uint64_t& hash)
 {
     Contents contents;
@@ -169,14 +181,8 @@ Contents readContents(File& file, json& root, std::span<const uint8_t> binary, u
             continue;
         const auto place = fmt::format("images[{}]", i), name = fmt::format("image{}", i);
         const auto uri = image["uri"].get<std::string>();
-        if (Resources::isData(uri)) {
-            put(image, name, file.resources.readData(uri, place));
-            continue;
-        }
-        const auto path = file.resources.resolveUri(uri, place);
-        file.external.push_back(path);
-        put(image, name, std::filesystem::exists(path) ? readBytes(path) : std::vector<uint8_t>());
-        hash = hashBytes(contents[name].data(), contents[name].size(), hash);
+        put(image, name,
+            Resources::isData(uri) ? file.resources.readData(uri, place) : imageBytes(file, uri, place, hash));
     }
     return contents;
 }

@@ -29,6 +29,8 @@ public:
     /// The file that a URI or a plain path names: it may be missing, but is no folder, device or pipe.
     std::filesystem::path resolveUri(const std::string& uri, const std::string& place) const;
     std::filesystem::path resolve(std::string_view name, const std::string& place) const;
+    /// As resolveUri, of a file that must be there: throws MissingFile where it is not.
+    std::filesystem::path resolveExisting(const std::string& uri, const std::string& place) const;
 
 private:
     std::filesystem::path scene_, folder_;

@@ -105,6 +105,8 @@ void decodeImage(const File& file, int index, Texture& texture)
     const auto& image = file.model.images[size_t(index)];
     const auto place = label("image", size_t(index), image.name.empty() ? image.uri : image.name);
     const auto encoded = encodedBytes(file, image);
+    if (encoded.empty() && !image.uri.empty())
+        file.resources.resolveExisting(image.uri, fmt::format("images[{}]", index));
     if (encoded.empty())
         fail("{}: {}: cannot be read; put the file beside the scene", file.name(), place);
     if (hasMagic(encoded, "\xff\xd8"))

@@ -118,6 +118,13 @@ fs::path Resources::resolveUri(const std::string& uri, const std::string& place)
         std::replace(name.begin(), name.end(), '\\', '/');
         path = resolve(name, place);
     }
+    return path;
+}
+
+fs::path Resources::resolveExisting(const std::string& uri, const std::string& place) const
+{
+    auto path = resolveUri(uri, place);
+    std::error_code error;
     if (!fs::exists(path, error))
         failAs<MissingFile>("{}: {}: '{}': no such file; put it beside the scene", scene_.string(), place,
                             printable(uri));

@@ -95,6 +95,12 @@ struct Environment {
     float rotation = 0;  ///< radians about +y
 };
 
+/// What a user gave in place of a scene's own environment.
+struct GivenEnvironment {
+    std::string name;  ///< of the file, or "r,g,b"
+    std::string hash;  ///< content hash of the file, 16 hexadecimal digits; empty for r,g,b
+};
+
 /// A mesh placed by a node.
 struct InstanceNode {
     uint32_t mesh = 0;
@@ -112,9 +118,10 @@ struct VertexAttributes {
 
 struct Scene {
     std::filesystem::path file;
-    /// Everything it was read from: `file`, its buffers and images, the environment
+    /// Everything it was read from: `file`, its buffers and images, the environment and what replaced it
     std::vector<std::filesystem::path> files;
     std::string hash;  ///< content hash of the file and everything it refers to, 16 hexadecimal digits
+    std::optional<GivenEnvironment> givenEnvironment;  ///< `hash` does not cover it
 
     std::vector<Node> nodes;
     std::vector<AnimationChannel> channels;

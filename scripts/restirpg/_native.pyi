@@ -56,6 +56,7 @@ class Renderer:
         energy_compensation: bool = False,
         outputs: Sequence[str] = (),
         window: tuple[int, int, int, int] | None = None,
+        bounces: int | None = None,
     ) -> None: ...
     def __enter__(self) -> Renderer: ...
     def __exit__(

@@ -77,6 +77,42 @@ TEST(Kernel, OneOfEachSpirvInAProcess)
     EXPECT_EQ(Kernel(second, other).pipeline().groupSize().x, 16u);
 }
 
+TEST(LogicalDevice, ThatIsLostIsReplaced)
+{
+    const DeviceOptions options{.device = testDevice(), .validation = true};
+    const auto lost = LogicalDevice::get(options);
+    EXPECT_EQ(LogicalDevice::get(options), lost);
+    const auto messageOf = [&](VkResult result) {
+        try {
+            lost->checkWork(result, "vkQueueSubmit");
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    EXPECT_EQ(messageOf(VK_SUCCESS), "");
+    EXPECT_NE(messageOf(VK_ERROR_OUT_OF_HOST_MEMORY), "");
+    EXPECT_EQ(LogicalDevice::get(options), lost) << "it still works";
+    EXPECT_EQ(messageOf(VK_ERROR_DEVICE_LOST),
+              "the device is lost (vkQueueSubmit): its driver failed, or ended work that took too long; make another "
+              "renderer, of a smaller size or window");
+    const auto other = LogicalDevice::get(options);
+    EXPECT_NE(other, lost);
+    EXPECT_EQ(LogicalDevice::get(options), other);
+    Device device(options);
+    EXPECT_EQ(&device.logical(), other.get());
+    device.submit([](VkCommandBuffer) {});
+}
+
+TEST(LogicalDevice, TimeStampsStartOver)
+{
+    EXPECT_EQ(ticksBetween(5, 12, 64), 7u);
+    EXPECT_EQ(ticksBetween(UINT64_MAX, 1, 64), 2u);
+    EXPECT_EQ(ticksBetween(0xfffffff0, 0x10, 32), 0x20u);
+    EXPECT_EQ(ticksBetween(0xfffffffff, 0, 36), 1u);
+    EXPECT_GT(device().logical().milliseconds(0, 1000), 0);
+}
+
 /// A logical device of its own without validation, which is on for the other tests.
 std::shared_ptr<LogicalDevice> unvalidatedDevice()
 {

@@ -50,6 +50,48 @@ private:
     Thrown built_ = Thrown::nothing, recorded_ = Thrown::nothing;
 };
 
+/// Has as many values per pixel as its knob says.
+class Several final : public Pass {
+public:
+    void describe(Interface& io) override
+    {
+        io.output("values", values_, severalPerPixel<float>("Values", [this] { return count_; }), "Values");
+        io.knob("count", count_, 1, 1000, "How many a pixel");
+        io.structural();
+    }
+    void build(Device&) override {}
+    void record(Frame&) override {}
+
+private:
+    Out<Buffer> values_;
+    uint32_t count_ = 16;
+};
+
+/// Its outputs follow the size of its input; the second one cannot be had where that is large.
+class Following final : public Pass {
+public:
+    void describe(Interface& io) override
+    {
+        io.input("values", values_, anyPerPixel("Values"), "Values");
+        io.output("same", same_, asMuchAs("Same", values_), "As much");
+        io.output("limited", limited_, severalPerPixel<float>("Limited", [this] { return atMost(100); }), "As many");
+    }
+    void build(Device&) override {}
+    void record(Frame&) override {}
+
+private:
+    uint64_t atMost(uint64_t most) const
+    {
+        const uint64_t count = values_.pixelBytes() / sizeof(float);
+        if (count > most)
+            fail("{} values do not fit the memory", count);
+        return count;
+    }
+
+    In<Buffer> values_;
+    Out<Buffer> same_, limited_;
+};
+
 std::string messageOf(const std::function<void()>& action)
 {
     try {
@@ -103,6 +145,34 @@ TEST(ThrowingPass, IsNamedWhenItRecordsOrIsBuiltAnewAndRunsAfterwards)
     EXPECT_EQ(pass.interface.knobs()[0].get(), "fine");
     EXPECT_EQ(messageOf(run), "");
     EXPECT_EQ(executor.frame(), 3u);
+}
+
+TEST(ThrowingPass, AKnobThatTheOutputsOfAnotherPassCannotFollowChangesNothing)
+{
+    Device device(DeviceOptions{.device = testDevice(), .validation = true});
+    const BindingSet noScene(device);
+    Writer writer;
+    writer.add("several", "Several").add("following", "Following", {{"values", "several.values"}});
+    writer.output("same", "following.same").output("limited", "following.limited");
+    Executor executor(
+        device,
+        std::make_unique<Graph>(writer.graph, Plugins({entry<Several>("Several"), entry<Following>("Following")})), 8,
+        8, {});
+    auto& pass = executor.graph().passes()[0];
+    executor.run({}, noScene);
+    const auto memory = executor.memory();
+    const auto bytes = device.allocatedBytes();
+    EXPECT_EQ(messageOf([&] { executor.setKnob(pass, "count", 101); }), "101 values do not fit the memory");
+    EXPECT_EQ(pass.interface.knobs()[0].get(), 16u);
+    EXPECT_EQ(executor.memory(), memory);
+    EXPECT_EQ(device.allocatedBytes(), bytes);
+    EXPECT_EQ(executor.frame(), 1u);
+    executor.run({}, noScene);
+    executor.setKnob(pass, "count", 100);
+    EXPECT_EQ(executor.frame(), 0u);
+    for (const auto& [port, size] : executor.memory())
+        EXPECT_EQ(size, 8u * 8u * 400u) << port;
+    executor.run({}, noScene);
 }
 
 }  // namespace

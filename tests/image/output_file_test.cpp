@@ -106,6 +106,27 @@ TEST_F(Output, WithoutCommitNothingIsLeft)
     EXPECT_EQ(filesInFolder(), 1u);
 }
 
+/// A process of the same number in another container makes the same names up.
+TEST_F(Output, AFileThatAnotherProcessIsWritingIsLeftAlone)
+{
+    const auto prefix = fmt::format(".restirpg-{}-", getpid());
+    uint64_t last = 0;
+    {
+        const OutputFile ours(folder_ / "a.txt");
+        const auto name = fs::directory_iterator(folder_)->path().filename().string();
+        ASSERT_EQ(name.substr(0, prefix.size()), prefix);
+        last = std::stoull(name.substr(prefix.size()));
+    }
+    const auto theirs = old(fmt::format("{}{}.tmp", prefix, last + 1));
+    writeFile(folder_ / "a.txt", "ours");
+    EXPECT_EQ(readBytes(theirs), OLD);
+    const auto next = old(fmt::format("{}{}.tmp", prefix, last + 3));
+    checkWritable(folder_ / "a.txt");
+    EXPECT_EQ(readBytes(next), OLD);
+    EXPECT_EQ(readBytes(folder_ / "a.txt"), (std::vector<char>{'o', 'u', 'r', 's'}));
+    EXPECT_EQ(filesInFolder(), 3u);
+}
+
 TEST_F(Output, PermissionsAndLinksAreKept)
 {
     const auto file = old("a.txt");

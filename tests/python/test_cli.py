@@ -11,6 +11,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 import renderer_scenes
 
@@ -236,11 +237,30 @@ def test_a_file_that_was_read_is_not_written(scene, tmp_path):
     shutil.copy(scene, own)
     (tmp_path / "link.exr").symlink_to("own.glb")
     os.link(own, tmp_path / "hard.png")
-    before = own.read_bytes()
-    for output in (["-o", "link.exr"], ["--png", "hard.png"]):
-        said = refusal("render", GRAPH, "--scene", own, "--size", "16x16", *output, folder=tmp_path)
-        assert said == f"{output[1]}: cannot write: it is the file {own}, which was read; choose another name"
-    assert own.read_bytes() == before
+    sky = tmp_path / "sky.exr"
+    renderer_scenes.restirpg.write_exr(sky, {"": np.ones((2, 4, 3))})
+    before = own.read_bytes(), sky.read_bytes()
+    for output, read in (["-o", "link.exr"], own), (["--png", "hard.png"], own), (["-o", "sky.exr"], sky):
+        said = refusal(
+            "render", GRAPH, "--scene", own, "--environment", sky, "--size", "16x16", *output, folder=tmp_path
+        )
+        assert said == f"{output[1]}: cannot write: it is the file {read}, which was read; choose another name"
+    assert (own.read_bytes(), sky.read_bytes()) == before
+
+
+def test_a_scenes_own_bounce_cap_is_replaced(tmp_path):
+    file = renderer_scenes.write_flying_panel(tmp_path / "panel.gltf")
+    file.write_text(
+        file.read_text().replace('"version": "2.0"', '"version": "2.0", "extras": {"restirpg": {"bounces": 20}}')
+    )
+    command = ["render", GRAPH.with_name("restir_pg.py"), "--scene", file, *render_command(file, frames=1)[4:]]
+    said = refusal(*command, folder=tmp_path)
+    assert said.startswith(f"{file}: asset.extras.restirpg.bounces is 20: ") and "--bounces N" in said
+    for option in (["--bounces", "3"], ["--set", "paths.bounces=3"]):
+        assert restirpg(*command, *option, "--time", "0.5", "--fps", "8", folder=tmp_path)[0] == 0
+        header = header_of(tmp_path / "a.exr")
+        assert '"bounces":3' in header["restirpg.knobs"] and "restirpg.camera" not in header
+        assert (header["restirpg.time"], header["restirpg.fps"]) == ("0.5", "8")
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

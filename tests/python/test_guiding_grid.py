@@ -193,7 +193,9 @@ def check_sums(frame):
     for key in certain:
         found, cell = frame.statistics[1][key], sums[key]
         tolerance = SUM_TOLERANCE * cell.weight + cell.count / oracle.ONE
-        if frame.knobs["splat"]["parallax"]:  # single-precision places turn directions by their rounding over the distance
+        if frame.knobs["splat"][
+            "parallax"
+        ]:  # single-precision places turn directions by their rounding over the distance
             tolerance += 2.0**-20 * frame.grid.radius * cell.inverse.sum()
         assert np.abs(found[0]["lanes"].reshape(oracle.LOBES, 4) / oracle.ONE - cell.sums).max() < tolerance
         assert abs(found[0]["bsdf"] / oracle.ONE - cell.bsdf) < tolerance

@@ -153,6 +153,64 @@ def test_a_picture_is_written_by_the_name_that_it_has(renderer, scene_file, tmp_
     assert os.listdir(tmp_path) == ["link.exr"]
 
 
+def test_the_environment_that_was_read_is_not_written_over(scene_file, tmp_path):
+    sky = tmp_path / "sky.exr"
+    restirpg.write_exr(sky, {"": np.ones((2, 4, 3))})
+    before = sky.read_bytes()
+    renderer = make_renderer(restirpg.load_scene(scene_file, environment=str(sky)), size=(16, 16))
+    renderer.render(1)
+    assert refusal(renderer.save, sky).endswith(f"it is the file {sky}, which was read; choose another name")
+    assert sky.read_bytes() == before
+
+
+def write_capped(file, bounces):
+    """A scene that asks for so many bounces."""
+    description = json.loads(write_flying_panel(file).read_text())
+    description["asset"]["extras"] = {"restirpg": {"bounces": bounces}}
+    file.write_text(json.dumps(description))
+    return file
+
+
+@pytest.mark.parametrize(
+    ("graph", "cap", "words"),
+    [("restir_pg", 20, "candidates hold paths of at most 15 bounces"), ("path_tracer", 100, "from 0 to 64, not 100")],
+)
+def test_a_scenes_own_bounce_cap_is_named_where_a_graph_refuses_it_and_can_be_replaced(tmp_path, graph, cap, words):
+    scene = restirpg.load_scene(write_capped(tmp_path / "capped.gltf", cap))
+    graph = restirpg.load_graph(GRAPH.with_name(f"{graph}.py"))
+    text = refusal(make_renderer, scene, graph, size=(16, 16))
+    assert text.startswith(f"{scene.file}: asset.extras.restirpg.bounces is {cap}: ") and words in text
+    assert text.endswith("; give another cap: bounces=N in Python, --bounces N on the command line")
+    renderer = make_renderer(scene, graph, size=(16, 16), bounces=2)
+    assert renderer.get("paths.bounces") == 2
+    renderer.reload()
+    assert renderer.get("paths.bounces") == 2
+    text = refusal(make_renderer, scene, graph, size=(16, 16), bounces=cap)
+    assert words in text and "capped.gltf" not in text
+
+
+def test_a_bounce_cap_is_that_of_every_pass_that_has_one(scene):
+    graph = restirpg.Graph("No paths")
+    graph.output("image", graph.add("gbuffer", "GBuffer").albedo)
+    make_renderer(scene, graph, size=(16, 16), bounces=2).render(1)
+    assert make_renderer(scene, size=(16, 16)).get("paths.bounces") == scene.bounce_cap != 1
+    assert make_renderer(scene, size=(16, 16), bounces=1).get("paths.bounces") == 1
+
+
+def test_names_of_any_bytes_are_read_where_python_shows_them(scene_file, tmp_path):
+    file = tmp_path / os.fsdecode(b"caf\xe9.glb")
+    file.write_bytes(scene_file.read_bytes())
+    sky = tmp_path / os.fsdecode(b"\xe9.exr")
+    restirpg.write_exr(sky, {"": np.ones((2, 4, 3))})
+    scene = restirpg.load_scene(file, environment=os.fsencode(sky))
+    assert "caf\\xe9.glb" in repr(scene)
+    renderer = make_renderer(scene, size=(16, 16))
+    renderer.render(1)
+    renderer.save(tmp_path / "a.exr")
+    header = restirpg.read_exr_attributes(tmp_path / "a.exr")
+    assert header["restirpg.scene"] == "caf\\xe9.glb" and header["restirpg.environment"] == "\\xe9.exr"
+
+
 def test_a_refused_renderer_leaves_nothing_open(scene):
     refused = [{"device": "none such"}, {"backend": "magic"}, {"size": (0, 0)}]
     for options in refused:

@@ -30,6 +30,21 @@ def test_layers_of_any_float_array_come_back(tmp_path):
     assert restirpg.read_exr_attributes(tmp_path / "a.exr") == {"note": "two layers"}
 
 
+def test_attributes_of_any_bytes_are_read(tmp_path):
+    file, note = tmp_path / "a.exr", "caf\u00e9\t\u202e\nline"
+    restirpg.write_exr(file, {"": random_image(1)}, attributes={"note": note})
+    assert restirpg.read_exr_attributes(file) == {"note": note}
+    file.write_bytes(file.read_bytes().replace("\u00e9".encode(), b"\xe9!"))
+    assert restirpg.read_exr_attributes(file) == {"note": note.replace("\u00e9", "\\xe9!")}
+
+
+def test_an_attribute_of_the_headers_own_is_refused(tmp_path):
+    for name in ("compression", "dataWindow", ""):
+        text = refusal(restirpg.write_exr, tmp_path / "a.exr", {"": random_image(1)}, attributes={name: "x"})
+        assert f"a.exr: cannot write: attribute '{name}': " in text and text.endswith("; choose another name for it")
+    assert os.listdir(tmp_path) == []
+
+
 def test_half_floats_keep_three_digits(tmp_path):
     image = random_image(3)
     restirpg.write_exr(tmp_path / "a.exr", {"": image}, half=True)

@@ -1,5 +1,6 @@
 """The renderer through Python: frames, outputs, knobs, motion, cuts, measurements and refusals."""
 
+import json
 import os
 import signal
 import threading
@@ -200,6 +201,27 @@ def test_the_animation_stands_at_the_frames_time(tmp_path):
     np.testing.assert_allclose(image_after(still, 1, "emission"), gone)
 
 
+def test_frame_after_frame_the_time_stays_exact(tmp_path):
+    file = write_flying_panel(tmp_path / "panel.gltf", times=(0, 1000))
+    description = json.loads(file.read_text())
+    description["animations"][0]["channels"][0]["target"]["node"] = 1  # the camera flies 0.1 m a second
+    file.write_text(json.dumps(description))
+    graph = restirpg.Graph("One kernel")
+    graph.output("image", graph.add("gbuffer", "GBuffer").albedo)
+    renderer = make_renderer(restirpg.load_scene(file), graph, size=(8, 8), fps=10, time=0.5)
+    renderer.render(600)
+
+    def seconds():
+        return renderer.camera["position"][0] * 10
+
+    assert seconds() == pytest.approx(60.5, rel=1e-6)
+    renderer.cut()
+    assert seconds() == pytest.approx(60.5, rel=1e-6)
+    renderer.set_time(2)
+    renderer.render(3)
+    assert seconds() == pytest.approx(2.3, rel=1e-6)
+
+
 def test_times_and_memory_are_reported_for_every_pass(renderer):
     renderer.render(1)
     first = renderer.gpu_times()
@@ -228,6 +250,56 @@ def test_a_saved_exr_holds_every_output_and_where_it_came_from(renderer, tmp_pat
     np.testing.assert_allclose(restirpg.read_exr(tmp_path / "v.exr"), variance, rtol=1e-3, atol=1e-6)
     assert "create it first" in refusal(renderer.save, tmp_path / "none" / "a.exr")
     assert sorted(os.listdir(tmp_path)) == ["a.exr", "v.exr"]
+
+
+def test_a_header_has_what_it_takes_to_make_the_picture_again(tmp_path):
+    file = write_flying_panel(tmp_path / "panel.gltf")
+    description = json.loads(file.read_text())
+    description["cameras"].append({"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}})
+    description["nodes"].append({"name": "Flying camera", "camera": 1})
+    description["scenes"][0]["nodes"].append(2)
+    description["animations"][0]["channels"][0]["target"]["node"] = 2
+    file.write_text(json.dumps(description))
+    sky = tmp_path / "sky.exr"
+    restirpg.write_exr(sky, {"": np.random.default_rng(1).uniform(0, 1, (4, 8, 3))})
+    scene = restirpg.load_scene(file, camera=1, environment=str(sky))
+    renderer = make_renderer(scene, seed=3, time=0.1, fps=7)
+    moved = np.eye(4)
+    moved[:3, 3] = (46, 2, -9)  # to where the camera flies by
+    renderer.render(3)
+    renderer.move_node("Panel", moved)
+    renderer.cut()
+    renderer.render(2)
+    renderer.save(tmp_path / "a.exr")
+    header = restirpg.read_exr_attributes(tmp_path / "a.exr")
+    told = {name.removeprefix("restirpg."): value for name, value in header.items()}
+    assert float(told["time"]) == pytest.approx(0.1 + 3 / 7) and (told["fps"], told["camera"]) == ("7", "1")
+    assert told["environment"] == "sky.exr" and len(told["environmentHash"]) == 16
+    assert json.loads(told["movedNodes"]) == {"nodes.Panel.matrix": moved.flatten().tolist()}
+
+    again = make_renderer(
+        restirpg.load_scene(file, camera=int(told["camera"]), environment=str(tmp_path / told["environment"])),
+        json.loads(told["graph"]),
+        seed=int(told["seed"]),
+        size=tuple(map(int, told["size"].split("x"))),
+        time=float(told["time"]),
+        fps=float(told["fps"]),
+    )
+    again.edit(json.loads(told["movedNodes"]))
+    image = renderer.output("image")
+    assert image_after(again, int(told["frames"])).tobytes() == image.tobytes()
+    assert image.max() > 1 and np.unique(image).size > 100  # the panel before a sky of less than 1
+
+    restirpg.write_exr(sky, {"": np.ones((4, 8, 3))})
+    for environment, named in ((str(sky), "sky.exr"), ("0.5,1,2", "0.5,1,2"), (None, None)):
+        plain = make_renderer(restirpg.load_scene(file, environment=environment))
+        plain.render(1)
+        plain.save(tmp_path / "b.exr")
+        other = restirpg.read_exr_attributes(tmp_path / "b.exr")
+        assert other.get("restirpg.environment") == named
+        assert (other.get("restirpg.environmentHash") is None) == (named != "sky.exr")
+        assert other.get("restirpg.environmentHash") != told["environmentHash"]
+        assert not {f"restirpg.{name}" for name in ("time", "fps", "camera", "movedNodes", "pose")} & other.keys()
 
 
 def test_any_port_of_a_pass_is_an_output_where_it_is_asked_for_and_costs_nothing_where_not(scene, tmp_path):

@@ -354,6 +354,22 @@ TEST(Textures, TheTransformsTexCoordOverridesTheTextureInfos)
     EXPECT_TRUE(wasWarned("TEXCOORD_5"));
 }
 
+TEST(Textures, AMissingImageThatNoMaterialShowsDoesNoHarm)
+{
+    auto builder = squareScene();
+    const auto hash = load(builder).hash;
+    builder.json["images"] = {{{"uri", "nowhere.png"}}};
+    builder.json["textures"] = {{{"source", 0}}};
+    const auto scene = load(builder);
+    EXPECT_TRUE(scene.textures.empty());
+    EXPECT_EQ(scene.files.size(), 1u) << "only what was read";
+    EXPECT_NE(scene.hash, hash);
+    builder.json["meshes"][0]["primitives"][0]["material"] = builder.addMaterial({{"normalTexture", {{"index", 0}}}});
+    EXPECT_NE(errorOf(builder).find("images[0]: 'nowhere.png': no such file; put it beside the scene"),
+              std::string::npos)
+        << errorOf(builder);
+}
+
 TEST(Textures, ExternalFilesAreFoundBesideTheSceneAndNamedWhenMissing)
 {
     auto builder = squareScene();

@@ -3,11 +3,13 @@
 #include "trace/devices.h"
 #include "trace/rays.h"
 
+#include "gpu/bvh.h"
 #include "scene/gltf.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <random>
 
 namespace restirpg::test {
@@ -201,6 +203,34 @@ TEST_P(TraceTest, AFlatSceneIsHitFromAfarWhateverItsSize)
 
 INSTANTIATE_TEST_SUITE_P(BackEnds, TraceTest, testing::Values("software", "rayquery"),
                          [](const auto& info) { return std::string(info.param); });
+
+/// The deepest leaf below a node, from 0.
+uint32_t depthOf(const Bvh& bvh, int node)
+{
+    return node < 0 ? 0
+                    : 1 + std::max(depthOf(bvh, bvh.nodes[size_t(node)].child0),
+                                   depthOf(bvh, bvh.nodes[size_t(node)].child1));
+}
+
+/// Each lies so much farther off than the one before that the surface area heuristic splits one off after the other.
+TEST(Bvh, HasOneBoxALeafAndFewLevelsHoweverTheBoxesLie)
+{
+    constexpr uint32_t LEVELS = 22;
+    std::vector<Box> boxes;
+    for (int i = 0; i < 1000; ++i) {
+        const glm::vec3 corner(i < 16 ? std::pow(64.0f, float(i)) : 1e-3f * float(i), 0, 0);
+        boxes.push_back({corner, corner + 1e-3f});
+    }
+    const Bvh bvh = buildBvh(boxes, 1);
+    EXPECT_LE(depthOf(bvh, 0), LEVELS);
+    std::vector<uint32_t> seen = bvh.order, all(boxes.size());
+    std::sort(seen.begin(), seen.end());
+    std::iota(all.begin(), all.end(), 0);
+    EXPECT_EQ(seen, all);
+    EXPECT_EQ(bvh.nodes.size(), boxes.size() - 1);
+    const Bvh again = buildBvh(boxes, 1);
+    EXPECT_EQ(again.order, bvh.order);
+}
 
 /// A scene of ../shared, where there is one.
 class SharedSceneTraceTest : public testing::TestWithParam<const char*> {};

@@ -5,10 +5,11 @@
 RESTIRPG_SHARED
 
 /// A smooth bounce of a path: where, and in which direction it leaves. Of pixel p, bounce u >= 1 is number p * stride +
-/// u - 1, stride being the bounces that are kept: the bounce cap + 1, or `guided_bounces`. All zero: no bounce, or a sharp one. 16 bytes (Zeng et al. 2025: 52).
+/// u - 1, stride being the bounces that are kept: the bounce cap + 1, or `guided_bounces`. All zero: no bounce, or a
+/// sharp one. 16 bytes (Zeng et al. 2025: 52).
 struct PathVertex {
-    /// 20 bits a coordinate in the cube of POSITION_EXTENT radii about the scene's center, x in the lowest bits; then, in
-    /// the second word, the face (VERTEX_FACE_*) and VERTEX_VALID
+    /// 20 bits a coordinate in the cube of POSITION_EXTENT radii about the scene's center, x in the lowest bits; then,
+    /// in the second word, the face (VERTEX_FACE_*) and VERTEX_VALID
     uvec2 position;
     uint direction;  ///< packed, see pack_direction
     uint surface;  ///< material (16 bits), VERTEX_* flags, VERTEX_DENSITY_*, VERTEX_SCATTER_*

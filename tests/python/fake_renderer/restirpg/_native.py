@@ -90,12 +90,25 @@ class Renderer:
     camera = {"position": (0.0, 0.0, 0.0), "target": (0.0, 0.0, -1.0), "up": (0.0, 1.0, 0.0)}
     device_info = {"name": "fake device", "driver": "1", "backend": "none"}
 
-    def __init__(self, scene, graph, size, seed=0, device=None, backend=None, energy_compensation=False, window=None):
+    def __init__(
+        self,
+        scene,
+        graph,
+        size,
+        seed=0,
+        device=None,
+        backend=None,
+        energy_compensation=False,
+        window=None,
+        bounces=None,
+    ):
         self._size, self.seed, self._seconds = size, seed, 0.0
         self._window = window or (0, 0, *size)
         self._knobs = {"paths": dict(DEFAULTS)}
         for entry in graph["passes"]:
             self._knobs.setdefault(entry["name"], {}).update(entry.get("knobs", {}))
+        if bounces is not None:
+            self.set_everywhere("bounces", bounces)
         self.cut()
 
     def move_window(self, x, y):
