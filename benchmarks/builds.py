@@ -113,8 +113,8 @@ def main():
     options = parser.parse_args()
     if options.pairs < 1 or options.frames < 1:
         parser.error("--pairs and --frames are at least 1")
-    size = [int(side) for side in options.size.split("x")] if options.size.count("x") == 1 else []
-    if len(size) != 2:
+    size = [int(side) for side in options.size.split("x") if side.isascii() and side.isdigit()]
+    if len(size) != 2 or options.size != f"{size[0]}x{size[1]}":
         parser.error(f"--size {options.size}: write WIDTHxHEIGHT, as in 160x90")
     table = [("graph", "scene", "size", "row", "pairs", "old_ms", "new_ms", "ratio", "spread")]
     for graph in options.graphs:

@@ -1,6 +1,7 @@
 #include "cases.h"
 
 #include "graph/graph.h"
+#include "render/bounce_cap.h"
 #include "render/renderer.h"
 
 namespace restirpg::bench {
@@ -23,8 +24,7 @@ std::shared_ptr<Renderer> makeRenderer(const GraphCase& c)
 {
     const auto scene = loadScene(c.scene);
     auto graph = std::make_unique<Graph>(readGraphFile(c.graph), Plugins());
-    if (scene->bounceCap)
-        graph->setKnobEverywhere("bounces", *scene->bounceCap);
+    capBounces(*graph, *scene, {});
     RendererOptions options;
     options.width = c.size.width;
     options.height = c.size.height;

@@ -21,7 +21,7 @@ import numpy as np
 from restirpg.harness import UserError, program, render
 from restirpg.harness.guiding import passes_of
 from restirpg.harness.jobs import parse_method
-from restirpg.harness.statistics import ratio
+from restirpg.harness.statistics import luminance, mape_scale, ratio
 
 ROOT = Path(__file__).resolve().parents[1]
 GRAPHS = ROOT / "graphs"
@@ -49,9 +49,7 @@ def make_renderer(arguments, scene, graph):
     """A renderer of one graph at the sweep's bounce cap."""
     import restirpg
 
-    renderer = restirpg.Renderer(scene, graph, size=arguments.size)
-    renderer.set_everywhere("bounces", arguments.bounces)
-    return renderer
+    return restirpg.Renderer(scene, graph, size=arguments.size, bounces=arguments.bounces)
 
 
 def make_reference(arguments, scene):
@@ -66,7 +64,7 @@ def make_reference(arguments, scene):
     image = renderer.output("image")
     deviation = np.sqrt(renderer.output("variance") / arguments.reference_frames)
     # The mean absolute value of a normal variable is 0.8 standard deviations.
-    noise = (0.8 * deviation / (image + 0.01 * image.mean())).mean()
+    noise = (0.8 * deviation / mape_scale(luminance(image))[..., None]).mean()
     print(f"reference: its own noise has a MAPE of about {noise:.3f}", flush=True)
     return image
 

@@ -30,13 +30,26 @@ NAMES = {
 SHOWN = "restir_pg"  # as the whole picture
 
 
+def corner(text):
+    """`X,Y` in pixels."""
+    x, _, y = text.partition(",")
+    if not (text.isascii() and x.isdigit() and y.isdigit()):
+        raise argparse.ArgumentTypeError(f"'{text}' is not X,Y in pixels, as in 900,440")
+    return int(x), int(y)
+
+
 def parse(arguments):
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="of the scene's report, with images/ and tiles.csv")
     parser.add_argument("--scene", required=True, help="its file")
     parser.add_argument(
-        "--crop", required=True, action="append", metavar="X,Y", help="left upper corner of a crop, two in all"
+        "--crop",
+        type=corner,
+        required=True,
+        action="append",
+        metavar="X,Y",
+        help="left upper corner of a crop, two in all",
     )
     parser.add_argument("--side", type=int, default=216, help="of the crops, in pixels (%(default)s)")
     parser.add_argument("--bounces", type=int, required=True, help="bounce cap of the reference")
@@ -51,9 +64,13 @@ def render_reference(options, corners, size):
     graph = restirpg.load_graph(ROOT / "graphs/restir_pg.py")
     image = np.zeros((size[1], size[0], 3), np.float32)
     with restirpg.Renderer(
-        scene, graph, size=size, seed=20202, window=(*corners[0], options.side, options.side)
+        scene,
+        graph,
+        size=size,
+        seed=20202,
+        window=(*corners[0], options.side, options.side),
+        bounces=options.bounces,
     ) as renderer:
-        renderer.set_everywhere("bounces", options.bounces)
         for x, y in corners:
             renderer.move_window(x, y)
             renderer.render(options.frames)
@@ -63,7 +80,7 @@ def render_reference(options, corners, size):
 
 def draw(options):
     """Write the figure."""
-    corners = [tuple(map(int, crop.split(","))) for crop in options.crop]
+    corners = options.crop
     with open(options.folder / "tiles.csv", newline="") as stream:
         error = {
             row["method"]: f"{100 * float(row['mape']):.1f} ± {100 * float(row['mape_se']):.1f}%"

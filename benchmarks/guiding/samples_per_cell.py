@@ -3,7 +3,7 @@
 from its raw candidates.
 
     PYTHONPATH=build/python benchmarks/guiding/samples_per_cell.py [--scene NAME|FILE ...] [--size 160x90]
-        [--markdown FILE]
+        [--bounces N] [--markdown FILE]
 
 A sample is a smooth bounce of a path that carries light. Candidates are unguided here (alpha = 1), so that
 both columns see the same frames. The paper's Table 1 does not say what it averages over; three averages are
@@ -30,6 +30,7 @@ def parse():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scene", nargs="+", default=SCENES)
     parser.add_argument("--size", type=program.size, default=(160, 90))
+    parser.add_argument("--bounces", type=program.bounces, help="bounce cap (the scene's, or the graph's own)")
     parser.add_argument("--markdown", type=Path)
     return parser.parse_args()
 
@@ -48,7 +49,7 @@ def count(arguments):
     with tempfile.TemporaryDirectory() as folder:
         for name in arguments.scene:
             scene = restirpg.load_scene(scenes.file_of(name, folder))
-            found = cell_counts.measure(scene, description, arguments.size, seeds=[1])
+            found = cell_counts.measure(scene, description, arguments.size, seeds=[1], bounces=arguments.bounces)
             (restir, raw), (cells, raw_cells) = found["averages"].mean((0, 1)), found["cells"][0, -1]
             pairs = " | ".join(f"{a:.2f} / {b:.2f} ({a / b:.1f})" for a, b in zip(restir, raw))
             lines.append(f"| {Path(name).stem} | {cells} / {raw_cells} | {pairs} |")

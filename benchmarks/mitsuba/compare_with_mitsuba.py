@@ -22,6 +22,7 @@ import numpy as np
 from gltf_edits import environment_for_mitsuba, environment_of, make_diffuse, read_glb, write_glb
 from scipy import stats
 
+from restirpg.harness import program
 from restirpg.harness.render import find_package
 from restirpg.harness.statistics import LEVEL, Test, welch
 
@@ -254,7 +255,7 @@ def parse_arguments():
     )
     parser.add_argument("--environment", help="r,g,b or an .exr or .hdr file; default: what the scene names")
     parser.add_argument("--backend", help="software or rayquery")
-    parser.add_argument("--size", default="64x64")
+    parser.add_argument("--size", type=program.size, default=(64, 64))
     parser.add_argument("--block", type=int, default=8, help="edge of a block in pixels; divides the size")
     parser.add_argument("--bounces", type=int, default=8)
     parser.add_argument("--seed", type=int, default=1, help="another one repeats a test on fresh numbers")
@@ -264,7 +265,6 @@ def parse_arguments():
     parser.add_argument("--samples", type=int, default=16, help="samples a pixel of each of Mitsuba's runs")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "mitsuba", help="folder of pictures of failures")
     options = parser.parse_args()
-    options.size = tuple(map(int, options.size.split("x")))
     if any(edge % options.block for edge in options.size):
         parser.error(f"--block {options.block} does not divide --size")
     return options

@@ -11,7 +11,8 @@ Each run is a process of its own and one row of the CSV file, to which further c
 as Mitsuba's. All have emitter sampling, multiple importance sampling, no roulette and the same cap (Mitsuba's max_depth
 is two more). Ours have the file's materials, Mitsuba those that the converter makes of them. They are not quite the
 same, so that each renderer is measured against a reference of its own, by Mitsuba and by path_tracer, whose seed no run
-has. The first run of each method is not counted: it fills the caches of kernels.
+has. The first run of each method is not counted: it fills the caches of kernels. References are kept, named by what
+they depend on; runs that the CSV file has already are not made again.
 """
 
 import argparse
@@ -26,7 +27,7 @@ import numpy as np
 from gltf_edits import environment_of, read_glb
 
 import restirpg
-from restirpg.harness.render import find_package
+from restirpg.harness.render import code_version, find_package
 from restirpg.harness.statistics import luminance, mape_scale
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -71,33 +72,49 @@ def measure(scene, options):
     options.references.mkdir(parents=True, exist_ok=True)
     references = {}
     for method in (MITSUBA, PATH_TRACER):
-        file = options.references / f"{scene.stem}_{method}.exr"
+        code = "" if method == MITSUBA else f"_{code_version()[:16]}"
+        name = f"{scene.stem}_{options.size}_cap{options.bounces}_{options.reference_samples}_{method}{code}"
+        file = options.references / f"{name}.exr"
         if not file.is_file():
-            render(method, scene, options.reference_samples, REFERENCE_SEED, file, options)
+            unfinished = file.with_suffix(".part.exr")
+            render(method, scene, options.reference_samples, REFERENCE_SEED, unfinished, options)
+            unfinished.replace(file)
         references[method] = read_image(file)
-    for method in options.methods:
+    finished = {tuple(row[name] for name in COLUMNS[:6]) for row in read_rows(options.csv)}
+    runs = [
+        (scene.stem, method, options.size, options.bounces, samples, seed)
+        for seed in range(1, options.seeds + 1)
+        for samples in options.samples
+        for method in options.methods
+    ]
+    runs = [run for run in runs if tuple(map(str, run)) not in finished]
+    for method in dict.fromkeys(run[1] for run in runs):
         render(method, scene, 2, 0, options.references / "warm.exr", options)
     new = not options.csv.is_file()
     with options.csv.open("a", newline="") as stream:
-        writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
+        writer = csv.writer(stream, lineterminator="\n")
         if new:
-            writer.writeheader()
-        for seed in range(1, options.seeds + 1):
-            for samples in options.samples:
-                for method in options.methods:
-                    file = options.references / "run.exr"
-                    seconds = render(method, scene, samples, seed, file, options)
-                    mape = mape_of(read_image(file), references[MITSUBA if method == MITSUBA else PATH_TRACER])
-                    row = (scene.stem, method, options.size, options.bounces, samples, seed)
-                    row += (f"{seconds:.3f}", f"{mape:.5f}")
-                    writer.writerow(dict(zip(COLUMNS, row)))
-                    stream.flush()
+            writer.writerow(COLUMNS)
+        for run in runs:
+            _, method, *_, samples, seed = run
+            file = options.references / "run.exr"
+            seconds = render(method, scene, samples, seed, file, options)
+            mape = mape_of(read_image(file), references[MITSUBA if method == MITSUBA else PATH_TRACER])
+            writer.writerow((*run, f"{seconds:.3f}", f"{mape:.5f}"))
+            stream.flush()
+
+
+def read_rows(path):
+    """The rows of the CSV file so far."""
+    if not path.is_file():
+        return []
+    with path.open(newline="") as stream:
+        return list(csv.DictReader(stream))
 
 
 def print_tables(path):
     """A table per scene: rows are numbers of samples; wall time and MAPE of each method, means over seeds."""
-    with path.open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = read_rows(path)
     for scene in dict.fromkeys(row["scene"] for row in rows):
         runs = {}
         for row in rows:

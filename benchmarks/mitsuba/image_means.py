@@ -7,7 +7,7 @@ results/mitsuba.
     image_means.py --csv FILE            # the table alone
 
 Mitsuba's materials are the renderer's model, written again as a plug-in (gltf_bsdf.py). Each seed is one independent
-run of one renderer and one row of the CSV file, to which further calls append. The ratio's standard error comes from
+run of one renderer and one row of the CSV file, to which further calls append what it lacks. The ratio's standard error comes from
 the spread of the runs: it needs several seeds on both sides. `literal` is Mitsuba with the diffuse lobe of glTF's
 sample implementation, from which the renderer deviates (head of bsdf_model.glsl).
 """
@@ -21,6 +21,7 @@ from pathlib import Path
 import numpy as np
 from compare_with_mitsuba import ROOT, prepare, render_mitsuba, render_ours
 
+from restirpg.harness import program
 from restirpg.harness.render import find_package
 
 COLUMNS = ("scene", "renderer", "seed", "width", "height", "bounces", "samples", "r", "g", "b", "seconds")
@@ -46,6 +47,13 @@ def append_row(path, row):
         if new:
             writer.writeheader()
         writer.writerow(row)
+
+
+def is_finished(path, renderer, seed, options):
+    """Is this run in the CSV file already?"""
+    samples = options.frames if renderer == "ours" else options.samples
+    run = tuple(map(str, (path.stem, renderer, seed, *options.size, options.bounces, samples)))
+    return run in {tuple(row[name] for name in COLUMNS[:7]) for row in read_rows(options.csv)}
 
 
 def run_seed(path, renderer, seed, options):
@@ -135,10 +143,9 @@ def parse_arguments():
     parser.add_argument("--seeds", type=seeds, default=range(1, 9))
     parser.add_argument("--frames", type=int, default=256, help="samples a pixel of a run of ours")
     parser.add_argument("--samples", type=int, default=256, help="of Mitsuba's")
-    parser.add_argument("--size", default="64x36")
+    parser.add_argument("--size", type=program.size, default=(64, 36))
     parser.add_argument("--bounces", type=int, default=4)
     options = parser.parse_args()
-    options.size = tuple(map(int, options.size.split("x")))
     options.runs = options.mitsuba_runs = 1
     options.materials = "gltf"
     if options.scenes and options.only != "ours" and not options.mitsuba_python:
@@ -153,7 +160,8 @@ def main():
     for path in options.scenes:
         for renderer in (options.only,) if options.only else ("ours", "mitsuba"):
             for seed in options.seeds:
-                run_seed(path, renderer, seed, options)
+                if not is_finished(path, renderer, seed, options):
+                    run_seed(path, renderer, seed, options)
     print_table(read_rows(options.csv))
 
 

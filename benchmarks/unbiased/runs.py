@@ -51,7 +51,8 @@ class Case:
 
 
 def code_of(description):
-    """Hash of the shaders and of the graph's own passes: a change of other passes leaves samples valid."""
+    """Hash of the shaders and of the kernels of the graph's own passes: a change of other passes leaves samples valid.
+    Host code is not in it, whose library names its commit."""
     _, shaders, *passes = map(Path, restirpg.code_paths())
     own = {f"restirpg-pass-{entry['type']}" for entry in description["passes"]}
     folders = [shaders]
@@ -68,6 +69,7 @@ class MethodRuns:
         job = case.job()
         self._running_mean = render.is_running_mean(json.loads(job.description), case.method.output)
         self._pixels = case.size[0] * case.size[1]
+        self.renderer = render.make_renderer(job)
         identity = {
             "job": job.key,
             "method": case.method.label,
@@ -75,9 +77,9 @@ class MethodRuns:
             "frames": case.frames,
             "circle": case.motion.circle,
             "fps": case.motion.fps,
+            "knobs": self.renderer.knobs(),
         }
         self.samples = Samples(folder, identity, [len(case.frames) * self._pixels + 1])
-        self.renderer = render.make_renderer(job)
         self._home = self.renderer.camera
 
     def add(self):

@@ -10,7 +10,7 @@ from restirpg.harness import statistics as st
 from restirpg.harness import tiles
 
 METRICS = ("mape", "relmse")
-SETTLED = 0.5  # of a run's frames, the last ones, count as single frames: reuse and guide have settled
+SETTLED = 0.5  # of the measured frames, the last ones, count as single frames: reuse and guide have settled
 
 
 @dataclass
@@ -63,11 +63,17 @@ class SceneFindings:
     brackets: dict = field(default_factory=dict)  # at equal frame time: as SceneRuns has them
 
 
+def settled_frames(errors):
+    """Indices of the measured frames that count as settled single frames: in the last half, with a picture of their
+    own. errors: MAPE of each frame alone."""
+    first = len(errors) - max(1, round(SETTLED * len(errors)))
+    return first + np.flatnonzero(~np.isnan(errors[first:]))
+
+
 def single_frames(run):
     """Mean MAPE of a run's settled single frames; NaN if no frame's own picture is known."""
-    errors = run["frame_mape"]
-    errors = errors[len(errors) - max(1, round(SETTLED * len(errors))) :]
-    return float(np.mean(errors[~np.isnan(errors)])) if not np.isnan(errors).all() else float("nan")
+    settled = settled_frames(run["frame_mape"])
+    return float(np.mean(run["frame_mape"][settled])) if len(settled) else float("nan")
 
 
 def flip(pictures, truth):

@@ -45,9 +45,7 @@ def measure(scene, description, size, seeds, bounces=None, first=8, last=12):
     description = json.loads(description)
     names = GuidedGraph(description)
     ports = f"{names.reuse}.vertices", f"{names.paths}.vertices"
-    renderer = restirpg.Renderer(scene, description, size=tuple(size))
-    if bounces:
-        renderer.set_everywhere("bounces", bounces)
+    renderer = restirpg.Renderer(scene, description, size=tuple(size), bounces=bounces)
     renderer.set(f"{names.paths}.alpha", 1.0)
     found, cells, guiding = [], [], []
     for seed in seeds:

@@ -5,6 +5,7 @@ asks: repository, build tree, scenes, graphs and cache lie under the same paths 
 dies is given to another one by the scheduler; its result has the same name in the cache, so that it counts once.
 """
 
+import collections
 import functools
 import os
 import pickle
@@ -12,7 +13,7 @@ import sys
 import threading
 import uuid
 from concurrent.futures import CancelledError
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import restirpg
@@ -37,6 +38,7 @@ class Place:
     cache: str
     harness: str  # hash of the harness
     code: str  # hash of the renderer's own files
+    at_a_time: int = 1  # workers that a machine has, at most
 
 
 def _import_distributed():
@@ -76,6 +78,8 @@ class Cluster:
             raise UserError(
                 f"{address}: the scheduler has no workers; start some with dask-worker {address} --nthreads 1"
             ) from None
+        hosts = collections.Counter(worker["host"] for worker in self._client.scheduler_info()["workers"].values())
+        self._place = replace(self._place, at_a_time=max(hosts.values()))
 
     def __enter__(self):
         return self
@@ -162,7 +166,7 @@ def _settle(place):
     render.find_package()
     if str(render.native_file()) != place.native or _code(place.variables) != place.code:
         raise UserError("a Dask worker runs another build of the renderer: start the workers anew")
-    return workers.Worker(place.cache)
+    return workers.Worker(place.cache, place.at_a_time)
 
 
 @functools.lru_cache

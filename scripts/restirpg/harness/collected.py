@@ -26,8 +26,13 @@ def warnings_of(runs, truth):
     devices = {", ".join(meta["device"].values()) for meta in everything}
     if len(devices) > 1:
         warnings.append(f"times are those of several devices: {'; '.join(sorted(devices))}")
+    machines = {meta["machine"] for meta in everything if "machine" in meta}
+    if len(machines) > 1:
+        warnings.append(f"times are those of several machines: {', '.join(sorted(machines))}")
     if any(meta.get("at_a_time", 1) > 1 for meta in everything):
-        warnings.append("some runs were not alone (--jobs): they took longer than they would have")
+        warnings.append(
+            "some runs were not alone (--jobs), or shared a machine with other Dask workers: they took longer than they would have"
+        )
     for label, by_seed in runs.items():
         if invalid := int(sum(result["invalid"].sum() for result in by_seed)):
             warnings.append(

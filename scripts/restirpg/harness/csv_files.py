@@ -99,13 +99,14 @@ def _write_denoised(findings, file):
 
 def _write_equal_time(findings, file):
     """Single frames' MAPE at equal frame time, with the knob's value and the ratios of frame times that it lies
-    between."""
-    header = ["scene", "method", "setting", "ratio_below", "ratio_above", "mape", "mape_se", "change", "change_se", "p"]
+    between, and the frame time in the runs that were compared, of the dearest method's."""
+    header = ["scene", "method", "setting", "ratio_below", "ratio_above", "time_in_runs"]
+    header += ["mape", "mape_se", "change", "change_se", "p"]
     rows = []
     for scene in findings:
         for own in equal_time.compare(scene.brackets, scene.methods):
             ratios = scene.brackets[own.label].ratios if own.label in scene.brackets else (1, 1)
-            numbers = [*ratios, *st.mean_se(own.values), own.ratio[0] - 1, own.ratio[1], own.p]
+            numbers = [*ratios, own.time, *st.mean_se(own.values), own.ratio[0] - 1, own.ratio[1], own.p]
             rows.append([scene.scene, own.label, own.setting, *(f"{float(value):.9g}" for value in numbers)])
     _write(file, header, rows)
 

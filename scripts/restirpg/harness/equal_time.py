@@ -85,10 +85,8 @@ def _plain(job):
 def _renderer(scene, description, size, seed, bounces, knobs, device, backend, energy_compensation):
     renderer = restirpg.Renderer(
         scene, json.loads(description), size=tuple(size), seed=seed, device=device, backend=backend,
-        energy_compensation=energy_compensation,
+        energy_compensation=energy_compensation, bounces=bounces,
     )  # fmt: skip
-    if bounces is not None:
-        renderer.set_everywhere("bounces", bounces)
     for name, value in knobs:
         (renderer.set if "." in name else renderer.set_everywhere)(name, value)
     return renderer
@@ -148,10 +146,15 @@ def start_of(knobs, path):
     return value if isinstance(value, int) and not isinstance(value, bool) else None
 
 
-def interpolated(bracket, methods):
-    """Single frames' MAPE, by seed or tile, between the two settings of a Bracket; methods: by label."""
-    low, high = (methods[label].single for label in bracket.labels)
+def interpolated(bracket, methods, value):
+    """`value` of a MethodFindings between the two settings of a Bracket; methods: by label."""
+    low, high = (value(methods[label]) for label in bracket.labels)
     return (1 - bracket.weight) * low + bracket.weight * high
+
+
+def frame_ms(method):
+    """GPU time of a frame, ms: the mean over the runs of a MethodFindings, its first frames too."""
+    return float(np.mean(method.gpu_ms[:, -1] / method.frames[-1]))
 
 
 @dataclass(frozen=True)
@@ -161,6 +164,7 @@ class Equal:
     label: str
     setting: str  # the knob with the value found, or "own"
     values: np.ndarray  # MAPE of single frames by seed or tile
+    time: float  # of a frame in the compared runs, of the dearest method's: how well the search has hit it
     ratio: tuple  # to the first method's, and its standard error
     p: float  # corrected over the methods of the scene; NaN: the first itself
 
@@ -179,11 +183,15 @@ def compare(brackets, methods):
     """[Equal] of a scene's methods (MethodFindings, the first first) of which none was added for a Bracket."""
     by_label = {method.label: method for method in methods}
     added = {label for bracket in brackets.values() for label in bracket.labels}
-    values = {}
+    values, times = {}, {}
     for method in methods:
-        if method.label not in added:
-            bracket = brackets.get(method.label)
-            values[method.label] = interpolated(bracket, by_label) if bracket else method.single
+        if method.label in added:
+            continue
+        bracket = brackets.get(method.label)
+        values[method.label], times[method.label] = (
+            interpolated(bracket, by_label, value) if bracket else value(method)
+            for value in (lambda each: each.single, frame_ms)
+        )
     first = next(iter(values.values()))
     tests = [st.paired(own, first).p for own in list(values.values())[1:]]
     corrected = [float("nan"), *st.holm(tests)]
@@ -192,6 +200,7 @@ def compare(brackets, methods):
             label,
             brackets[label].setting if label in brackets else "own",
             own,
+            times[label] / max(times.values()),
             st.ratio(own, first),
             float(p),
         )

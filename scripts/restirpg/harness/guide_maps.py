@@ -75,9 +75,7 @@ class Learner:
             {"name": "material", "pass": names.gbuffer, "output": "material"},
         ]
         graph = {**description, "outputs": description["outputs"] + shown}
-        self._renderer = restirpg.Renderer(scene, graph, size=tuple(size))
-        if bounces:
-            self._renderer.set_everywhere("bounces", bounces)
+        self._renderer = restirpg.Renderer(scene, graph, size=tuple(size), bounces=bounces)
         if cell_size:
             self._renderer.set(f"{names.splat}.cell_size", cell_size)
         if raw:
@@ -158,8 +156,7 @@ def products_at(points, scene, bounces):
     paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, direct=True)
     image = g.add("accumulate", "Accumulate", indirect=paths.radiance, history=restirpg.prev("accumulate.sums"))
     g.output("image", image.mean)
-    renderer = restirpg.Renderer(scene, g, size=(FACE, FACE), seed=2)
-    renderer.set_everywhere("bounces", bounces - 1)
+    renderer = restirpg.Renderer(scene, g, size=(FACE, FACE), seed=2, bounces=bounces - 1)
     return [_product(point, renderer) for point in points]
 
 

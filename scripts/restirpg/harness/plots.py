@@ -76,7 +76,7 @@ def _frame_axis(axes, scene):
 
 
 def error_curves(scene, metric, over):
-    """A metric over "frames" or "time" (GPU seconds); bands are one standard error over seeds."""
+    """A metric over "frames" or "time" (GPU seconds); bands are one standard error over seeds or tiles."""
     figure, axes = pyplot.subplots(figsize=(4.15, 3.0))
     positive = True
     for number, method in enumerate(scene.methods):

@@ -44,11 +44,13 @@ def in_brief(findings):
     stream = io.StringIO()
     console = Console(file=stream, width=80)
     for scene in findings:
-        console.print(f"\n{scene.scene}, {scene.seeds} seeds", style="bold", highlight=False)
+        console.print(f"\n{scene.scene}, {scene.seeds} {scene.unit}s", style="bold", highlight=False)
         if sentence := verdict_sentence(scene):
             console.print(sentence, highlight=False)
-        mode = test_of(scene, scene.at[-1]) if scene.at else "single"
-        columns = [(f"frame {scene.at[-1]}" if scene.at else "one frame", "mape", mode)]
+        title, mode = "one frame", "single"
+        if scene.at and scene.unit == "seed":
+            title, mode = f"frame {scene.at[-1]}", test_of(scene, scene.at[-1])
+        columns = [(title, "mape", mode)]
         columns += [] if scene.at else [("equal time", "mape", "time")]
         columns += [("denoised", "denoised", "frame")] if scene.methods[0].denoised else []
         table = Table(box=rich.box.SIMPLE_HEAD)
@@ -60,8 +62,9 @@ def in_brief(findings):
             cells = [_short(method, metric, kind) for _, metric, kind in columns]
             table.add_row(method.label, *cells, f"{st.mean_se(method.gpu_ms[:, -1] / method.frames[-1])[0]:.0f}")
         console.print(table, highlight=False)
+    unit = findings[0].unit if findings else "seed"
     console.print(
-        f"Errors (MAPE) ± one standard error over seeds; * differs from the first method ({100 * st.LEVEL:.0f}% over all tests).",
+        f"Errors (MAPE) ± one standard error over {unit}s; * differs from the first method ({100 * st.LEVEL:.0f}% over all tests).",
         highlight=False,
     )
     return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"

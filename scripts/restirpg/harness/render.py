@@ -43,8 +43,8 @@ def refusals():
 #: Of the package, what a run's or call's result depends on.
 MEASURING = (
     "evaluate.py", "graph.py", "harness/cell_counts.py", "harness/denoised.py", "harness/equal_time.py", "harness/guide_maps.py",
-    "harness/guiding.py", "harness/measure.py", "harness/motion.py", "harness/paper/figure_4.py", "harness/render.py",
-    "harness/tiles.py", "records.py",
+    "harness/guiding.py", "harness/measure.py", "harness/motion.py", "harness/paper/figure_4.py", "harness/reference.py",
+    "harness/render.py", "harness/statistics.py", "harness/tiles.py", "records.py",
 )  # fmt: skip
 #: Environment variables that results depend on: whence shaders and passes are taken, and what slows a frame.
 #: RESTIRPG_PYTHON and RESTIRPG_BUILD decide what a graph's description and the package are, which count themselves;
@@ -147,9 +147,8 @@ def make_renderer(job):
         backend=job.backend,
         energy_compensation=job.energy_compensation,
         window=(*job.tiles[0], job.tile, job.tile) if job.windows else None,
+        bounces=job.bounces,
     )
-    if job.bounces is not None:
-        renderer.set_everywhere("bounces", job.bounces)
     for name, value in job.knobs:
         if "." in name:
             renderer.set(name, value)

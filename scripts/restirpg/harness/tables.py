@@ -4,7 +4,7 @@ import math
 
 from restirpg.harness import equal_time
 from restirpg.harness import statistics as st
-from restirpg.harness.analysis import METRICS, SETTLED
+from restirpg.harness.analysis import METRICS, settled_frames
 
 TITLES = {"mape": "MAPE", "relmse": "relMSE", "bias": "bias"}
 
@@ -109,7 +109,9 @@ def equal_tables(scene):
         ]
         for method in scene.methods
     ]
-    title = f"Single frames: the last {100 * SETTLED:.0f}% of the run"
+    first = scene.methods[0]
+    settled = first.frames[settled_frames(first.curves["single"][0])]
+    title = f"Single frames: mean of {len(settled)}" + (f", from frame {settled[0]} on" if len(settled) else "")
     flip = [] if scene.methods[0].flip is None else ["FLIP of the last frame"]
     tables.insert(1, (title, ["method", "MAPE", "against the first", *flip], rows))
     return tables
@@ -184,14 +186,15 @@ def _equal_frame_time_table(scene):
     """(title, header, rows) of single frames that cost the same."""
     rows = []
     for own in equal_time.compare(scene.brackets, scene.methods):
-        row = [own.label, own.setting, with_error(*st.mean_se(own.values), 100, "%")]
+        row = [own.label, own.setting, f"×{own.time:.3f}", with_error(*st.mean_se(own.values), 100, "%")]
         if not rows:
             rows.append([*row, "—", "baseline"])
             continue
         word = "not different" if own.p >= st.LEVEL else "lower" if own.ratio[0] < 1 else "higher"
         tested = "not tested" if math.isnan(own.p) else f"{word} (p = {max(own.p, 1e-99):.2g})"
         rows.append([*row, with_error(own.ratio[0] - 1, own.ratio[1], 100, "%"), tested])
-    return "Equal frame time: single frames", ["method", "setting", "MAPE", "change from the first", "tested"], rows
+    header = ["method", "setting", "frame time in the runs", "MAPE", "change from the first", "tested in this scene"]
+    return "Equal frame time: single frames", header, rows
 
 
 def error_tables(scene):

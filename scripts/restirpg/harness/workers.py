@@ -4,6 +4,7 @@ import contextlib
 import faulthandler
 import multiprocessing
 import os
+import platform
 import signal
 import sys
 import traceback
@@ -46,6 +47,7 @@ class Worker:
             self._renderers.forget()
             raise
         result["meta"]["at_a_time"] = self._at_a_time
+        result["meta"]["machine"] = platform.node()
         result["meta"]["job"] = {
             "label": job.label,
             "scene": job.scene,

@@ -6,6 +6,8 @@ import numpy as np
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
+from restirpg.harness.statistics import mape_scale
+
 _STEPS = 4096  # of the transfer function's table over [0, 1]
 
 
@@ -49,8 +51,7 @@ def heat(values, limit):
 def relative_difference(image, reference):
     """|image - reference| / (luminance of the reference + 1% of its mean), mean over the channels: (H, W), whose mean
     is the MAPE."""
-    luminance = reference @ _LUMINANCE
-    return np.abs(image - reference).mean(-1) / (luminance + 0.01 * luminance.mean() + 1e-30)
+    return np.abs(image - reference).mean(-1) / (mape_scale(reference @ _LUMINANCE) + 1e-30)
 
 
 def port(image, name, exposure):

@@ -11,6 +11,7 @@ _KEPT = (
     "backend",
     "validation",
     "energy_compensation",
+    "bounces",
 )  # of a graph's options, what the picture's mean depends on
 
 

@@ -134,6 +134,7 @@ def _parse(arguments):
         "--captures", default="out/captures", metavar="FOLDER", help="where films are put (%(default)s)"
     )
     parser.add_argument("--pose", type=_pose, help="where the camera stands at first, as the page copies it")
+    parser.add_argument("--bounces", type=program.bounces, help="bounce cap (the scene's, or the graph's own)")
     parser.add_argument("--device", help="number or part of the name, as `restirpg devices` lists them")
     program.add_allow_outside(parser)
     return commands.parsed(parser, arguments)
@@ -156,6 +157,7 @@ def main(arguments):
                 options.captures,
                 options.pose,
                 device=options.device,
+                bounces=options.bounces,
             )
         with viewer:
             print(viewer.url, flush=True)

@@ -1,7 +1,7 @@
 """The paper's comparison at the paper's size: four methods and ReSTIR PG+, single frames 11 to 20 of 1920x1080.
 
     scripts/reproduce.py --paper-size SCENE[@WxH]... [--list] [--out out/paper_size] [options of scripts/compare.py]
-    scripts/reproduce.py --paper-size --collect out/paper_size --results benchmarks/results/paper_size
+    scripts/reproduce.py --paper-size --collect out/paper_size [--results FOLDER]
 
 The first line is scripts/compare.py with the options below on each scene in turn. The reference is rendered, and errors
 are measured, in random tiles alone. Finished runs are kept in OUT/cache, one a (scene, method, seed), each under a
@@ -18,17 +18,25 @@ from pathlib import Path
 
 import restirpg
 from restirpg.harness import UserError, compare, files, program, render
-from restirpg.harness.paper import experiments
 
 GRAPHS = ("restir_pt", "restir_pg", "raw_pt_ruppert2020", "raw_pt_derevyannykh2022", "restir_pg_plus")
 FIRST, OURS, RUPPERT = GRAPHS[0], GRAPHS[1], GRAPHS[2]
 FRAMES, TILES, TILE_SIDE, REFERENCE_FRAMES = 20, 64, 24, 1024
 SIZE = "1920x1080"
+#: Microseconds per pixel and frame on two cores: of veach_ajar on the fastest machine seen, of living_room on the slowest.
+COSTS = (10.0, 28.0)
 
 
 def graph_file(name):
     """Of the graphs that come with the package."""
     return str(restirpg.GRAPHS / f"{name}.py")
+
+
+def scene_at_size(text):
+    """`SCENE[@WxH]`: the file and `WxH`."""
+    scene, _, size = text.partition("@")
+    program.size(size or SIZE)
+    return scene, size or SIZE
 
 
 def fixed_options():
@@ -45,22 +53,21 @@ def parse(arguments):
     parser = argparse.ArgumentParser(
         prog="reproduce.py --paper-size", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("scenes", nargs="*", metavar="SCENE[@WxH]", help=f"scene files; pixels ({SIZE})")
+    parser.add_argument(
+        "scenes", nargs="*", type=scene_at_size, metavar="SCENE[@WxH]", help=f"scene files; pixels ({SIZE})"
+    )
     parser.add_argument("--list", action="store_true", help="say about how many hours each scene takes, and end")
     parser.add_argument("--out", default="out/paper_size", help="folder of runs and reports (%(default)s)")
     parser.add_argument("--device", metavar="NAME", help="what renders the methods (the best device)")
     parser.add_argument("--collect", metavar="FOLDER", help="write the table of what is finished there")
-    parser.add_argument(
-        "--results", default="benchmarks/results/paper_size", help="where --collect writes (%(default)s)"
-    )
+    parser.add_argument("--results", metavar="FOLDER", help="where --collect writes (the folder that it reads)")
     return parser.parse_known_args(arguments)
 
 
 def record(options, further):
     """Compare on each scene; returns the largest exit code, at once where a mistake or a signal ended one."""
     worst = 0
-    for text in options.scenes:
-        scene, _, size = text.partition("@")
+    for scene, size in options.scenes:
         out = Path(options.out)
         device = f",device={options.device}" if options.device else ""
         graphs = [f"{graph_file(name)}@label={name}{device}" for name in GRAPHS]
@@ -68,7 +75,7 @@ def record(options, further):
             "--scenes",
             scene,
             "--size",
-            size or SIZE,
+            size,
             "--out",
             str(out / Path(scene).stem),
             "--cache",
@@ -157,13 +164,14 @@ def collect(folder, results):
 
 def print_list(scenes):
     """About how long each scene takes on two cores."""
-    for text in scenes:
-        scene, _, size = text.partition("@")
-        width, height = program.size(size or SIZE)
+    for scene, size in scenes:
+        width, height = program.size(size)
         methods = len(GRAPHS) * FRAMES * width * height
         reference = REFERENCE_FRAMES * TILES * TILE_SIDE**2
-        hours = 1e-6 * experiments.REUSE_COST * (methods + reference) / 3600
-        print(f"{Path(scene).stem:24} {width}x{height}  {hours:5.1f} hours, {len(GRAPHS)} methods, {FRAMES} frames")
+        low, high = (1e-6 * cost * (methods + reference) / 3600 for cost in COSTS)
+        print(
+            f"{Path(scene).stem:24} {width}x{height}  {low:.1f} to {high:.1f} hours, {len(GRAPHS)} methods, {FRAMES} frames"
+        )
     return 0
 
 
@@ -174,7 +182,7 @@ def main(arguments):
     def body(_):
         render.find_package()
         if options.collect:
-            return collect(options.collect, options.results)
+            return collect(options.collect, options.results or options.collect)
         if not options.scenes:
             raise UserError("no scene given; name one or more, as in scripts/reproduce.py --paper-size veach_ajar.glb")
         return print_list(options.scenes) if options.list else 0
