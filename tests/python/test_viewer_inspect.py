@@ -107,6 +107,7 @@ def test_the_guide_by_chains_is_told_too(scene):
     session = Session(scene, [GRAPH.with_name("raw_pt_alber2025.py")], SIZE, validation=True)
     for _ in range(FRAMES):
         session.render()
+    assert session.state()["panes"][0]["guided"]  # so the page offers it
     told = session.inspector.guide(0, *FLOOR)
     assert 0 < len(told["lobes"]) <= 4 and sum(weight for _, weight in told["lobes"]) == pytest.approx(1)
     assert told["alpha"] == 0.5 and told["samples"] >= 1 and set(told["maps"]) == {"lobes", "directions of this frame"}
@@ -114,6 +115,7 @@ def test_the_guide_by_chains_is_told_too(scene):
 
 def test_a_graph_without_a_guide_refuses(scene):
     plain = Session(scene, [GRAPH], (16, 16), validation=True)
+    assert not plain.state()["panes"][0]["guided"]
     with pytest.raises(UserError, match="no pass of type .*GuidingSplat"):
         plain.inspector.guide(0, 8, 8)
     told = plain.inspector.pixel(8, 8)

@@ -4,7 +4,7 @@ import json
 import shutil
 
 import pytest
-from renderer_scenes import GRAPH, restirpg, scene, scene_file  # noqa: F401
+from renderer_scenes import GRAPH, restirpg, scene, scene_file, write_flying_panel  # noqa: F401
 from webdriver import Browser
 
 SIZE = (32, 18)
@@ -28,6 +28,7 @@ def browser(scene, graph_file):
         restirpg.view([graph_file, GRAPH], scene, SIZE, captures=graph_file.parent / "films") as viewer,
         Browser() as browser,
     ):
+        browser.viewer = viewer
         browser.open(viewer.url)
         browser.wait("window.page && page.frames > 1 && page.state")
         yield browser
@@ -117,6 +118,93 @@ def test_the_camera_is_copied_as_a_command_line(browser):
     )
 
 
+def test_the_command_line_is_of_the_frames_that_are_shown(browser):
+    frames = browser.run("page.send('restart'); return page.frames")
+    browser.wait(f"page.frames > {frames} + 5")
+    command, summary = browser.run(
+        "let command; page.copy = text => { command = text; };"
+        "const copy = document.querySelector('#copy'); copy.value = 'command'; copy.dispatchEvent(new Event('change'));"
+        "return [command, page.panel.panes[0].summary.textContent]"
+    )
+    assert f"--frames {summary.split()[0]} " in command and int(summary.split()[0]) > 1
+    browser.run("delete page.copy")
+
+
+def test_numbers_that_are_not_finite_are_shown(browser, monkeypatch):
+    session = browser.viewer.session
+    monkeypatch.setattr(session.panes[0], "pixel", lambda x, y: {"picture": [float("nan"), -float("inf"), 0.5]})
+    monkeypatch.setattr(session, "errors", lambda: [float("nan"), float("inf")])
+    browser.run("page.send('inspect', { x: 8, y: 8 })")
+    browser.wait("document.querySelector('.values').textContent.includes('NaN -Infinity 0.5000')")
+    browser.wait("page.panel.panes[0].summary.textContent.includes('MAPE NaN%')")
+    frames = browser.run("return page.frames")
+    browser.wait(f"page.frames > {frames} + 2")
+    assert browser.run("return page.panel.errors.flat().length") == 0
+
+
+def test_a_long_line_of_errors_is_thinned(browser):
+    lengths, first, last = browser.run(
+        "const panel = page.panel; panel.drawErrors = () => {};"
+        "for (let frames = 1; frames <= 70000; ++frames) panel.addErrors([0, 1].map(i => ({ frames, mape: 0.5 / (i + frames) })));"
+        "delete panel.drawErrors; panel.drawErrors(); const line = panel.errors[0];"
+        "return [panel.errors.map(line => line.length), line.slice(0, 20).map(point => point[0]), line.at(-1)]"
+    )
+    assert all(100 < length < 1000 for length in lengths)
+    assert first == list(range(1, 21)) and last == [70000, 0.5 / 70000]
+
+
+def test_a_latency_is_that_of_the_newest_message_that_is_shown(browser):
+    latencies = browser.run(
+        "const page = window.page, now = performance.now(), id = page.id;"
+        "page.send('inspect', { x: 1, y: 1 }); page.send('guide', {}); page.send('visible', { on: true });"
+        "if (page.sent.size) return page.sent.size;"
+        "page.sent.set(id + 10, now - 60000).set(id + 11, now - 50).set(id + 12, now);"
+        "page.measure({ ...page.header, seen: { [page.you]: id + 11 } }); const kept = [...page.sent.keys()];"
+        "page.sent.clear(); return [page.latencies.pop(), ...kept.map(key => key - id)]"
+    )
+    assert 50 <= latencies[0] < 10000 and latencies[1:] == [12]
+
+
+def test_the_space_bar_presses_what_has_the_focus(browser):
+    def is_taken(selector):
+        return browser.run(
+            f"return !document.querySelector({json.dumps(selector)}).dispatchEvent("
+            "new KeyboardEvent('keydown', { key: ' ', bubbles: true, cancelable: true }))"
+        )
+
+    for selector in ("#keep", "#restart", "summary", "#exposure", "a"):
+        assert not is_taken(selector), selector
+    playing = state(browser, "playing")
+    assert is_taken("body")
+    browser.wait(f"page.state.playing === {json.dumps(not playing)}")
+    browser.run(f"page.send('play', {{ on: {json.dumps(playing)} }})")
+
+
+def test_messages_are_announced_and_closed_by_keyboard(browser):
+    assert browser.run("return document.querySelector('#messages').getAttribute('role')") == "status"
+    browser.run("page.report('a line to close'); document.querySelector('#messages div:last-child button').click()")
+    assert "a line to close" not in browser.run("return document.querySelector('#messages').textContent")
+    unnamed = browser.run(
+        "return [...document.querySelectorAll('select, input')].filter(control => "
+        "!control.ariaLabel && !control.title && !control.labels.length).map(control => control.outerHTML)"
+    )
+    assert unnamed == []
+
+
+def test_a_path_is_drawn_in_the_pixels_of_the_display(browser):
+    drawn = browser.run(
+        "const drawn = [], own = CanvasRenderingContext2D.prototype, stroke = own.stroke, text = own.fillText;"
+        "own.stroke = function () { drawn.push(this.lineWidth); stroke.call(this); };"
+        "own.fillText = function (...what) { drawn.push(this.font); text.apply(this, what); };"
+        "window.devicePixelRatio = 2;"
+        "const paths = [0, 1].map(() => ({ points: [[0.2, 0.2], [0.4, 0.4]], bounces: [1, 2], light: null }));"
+        "page.stage.showPaths({ x: 8, y: 8, paths }, JSON.stringify(page.state.camera));"
+        "window.devicePixelRatio = 1; Object.assign(own, { stroke, fillText: text });"
+        "page.stage.paths = undefined; page.stage.draw(); return drawn"
+    )
+    assert set(drawn) == {4, "24px sans-serif"}
+
+
 def test_an_edited_graph_is_shown_and_a_broken_one_is_told(browser, graph_file):
     graph_file.write_text(GRAPH.read_text() + EDITED)
     browser.wait("page.state.panes[0].name === 'Edited'")
@@ -126,6 +214,21 @@ def test_an_edited_graph_is_shown_and_a_broken_one_is_told(browser, graph_file):
     frames = browser.run("return page.frames")
     browser.wait(f"page.frames > {frames} + 1")
     graph_file.write_text(GRAPH.read_text() + EDITED)
+
+
+def test_the_slider_follows_the_animation(browser, tmp_path):
+    flying = restirpg.load_scene(write_flying_panel(tmp_path / "panel.gltf", times=(0, 1000)))
+    with restirpg.view(GRAPH, flying, SIZE) as viewer:
+        browser.open(viewer.url)
+        browser.wait("window.page && page.frames > 1 && page.state")
+        browser.run("document.querySelector('#time').focus(); page.send('speed', { factor: 10 })")
+        browser.wait("Number(document.querySelector('#time').value) > 1")
+        shown, value, command = browser.run(
+            "const slider = document.querySelector('#time');"
+            "return [slider.nextElementSibling.textContent, slider.value, page.command()]"
+        )
+        assert float(shown.removesuffix(" s")) == pytest.approx(float(value), abs=0.02)
+        assert float(command.partition("--time ")[2].split()[0]) == pytest.approx(float(value), abs=0.02)
 
 
 def test_no_script_has_failed(browser):

@@ -17,6 +17,8 @@ Image = pytest.importorskip("PIL.Image", reason="Pillow is not installed: the vi
 
 import viewer_monkey  # noqa: E402
 
+from restirpg.viewer.values import as_json  # noqa: E402
+
 SIZE = (16, 16)
 SECONDS = 60  # until a test gives up
 
@@ -26,6 +28,15 @@ def viewer(scene):
     """A running viewer that all tests use."""
     with restirpg.view(GRAPH, scene, SIZE, validation=True) as running:
         yield running
+
+
+def strict(text):
+    """JSON as a browser reads it, without NaN and Infinity."""
+
+    def refuse(name):
+        raise AssertionError(f"{name} is no JSON")
+
+    return json.loads(text, parse_constant=refuse)
 
 
 class Tab:
@@ -43,9 +54,9 @@ class Tab:
         if message.type == aiohttp.WSMsgType.BINARY:
             (length,) = struct.unpack("<I", message.data[:4])
             self.frames += 1
-            return "frame", json.loads(message.data[4 : 4 + length]), message.data[4 + length :]
+            return "frame", strict(message.data[4 : 4 + length]), message.data[4 + length :]
         assert message.type == aiohttp.WSMsgType.TEXT, message
-        return "text", json.loads(message.data), b""
+        return "text", strict(message.data), b""
 
     async def until(self, wanted, shows=True):
         """The first message, or frame header, for which `wanted` holds; frames are shown on the way."""
@@ -189,6 +200,81 @@ def test_an_exception_in_rendering_is_shown_and_the_viewer_lives(viewer, monkeyp
         return error
 
     assert with_tab(viewer, body)[0] == {"error": "ZeroDivisionError: a fault in a test"}
+
+
+def test_pictures_come_again_once_what_failed_is_changed(viewer, monkeypatch, capsys):
+    def broken():
+        raise ZeroDivisionError("a fault in a test")
+
+    async def body(tab):
+        await tab.until(is_frame)
+        monkeypatch.setattr(viewer.session, "frame", broken)
+        await tab.until(lambda kind, content: "error" in content)
+        frames = viewer.session.panes[0].frames
+        await asyncio.sleep(0.5)  # told once, not again and again, while rendering goes on
+        monkeypatch.undo()
+        assert viewer.session.panes[0].frames > frames
+        await tab.send(do="exposure", stops=0, id=98)
+        told = []
+        await tab.until(
+            lambda kind, content: told.append(content) or (kind == "frame" and 98 in content["seen"].values())
+        )
+        return [content for content in told if "error" in content]
+
+    assert with_tab(viewer, body)[0] == []
+
+
+def test_numbers_that_are_not_finite_are_told(viewer, monkeypatch):
+    strange = [float("nan"), float("inf"), -float("inf"), 0.5]
+
+    async def body(tab):
+        await tab.until(is_frame)
+        monkeypatch.setattr(viewer.session.panes[0], "pixel", lambda x, y: {"picture": strange})
+        monkeypatch.setattr(viewer.session, "errors", lambda: [float("nan")])
+        await tab.send(do="inspect", x=8, y=8)
+        pixel, _ = await tab.until(lambda kind, content: "pixel" in content)
+        header, _ = await tab.until(lambda kind, content: kind == "frame" and content["panes"][0]["mape"] is not None)
+        return pixel["pixel"]["panes"][0]["picture"], header["panes"][0]["mape"]
+
+    assert with_tab(viewer, body)[0] == (["NaN", "Infinity", "-Infinity", 0.5], "NaN")
+    assert as_json({"a": (1, [float("nan")])}) == '{"a": [1, ["NaN"]]}'
+
+
+def test_the_end_does_not_wait_for_a_download(scene, monkeypatch):
+    with restirpg.view(GRAPH, scene, SIZE, validation=True) as own:
+        rendering, release = threading.Event(), threading.Event()
+
+        def slow(kept):
+            rendering.set()
+            release.wait(SECONDS)
+
+        monkeypatch.setattr(own.session.panes[0], "render", slow)
+        own.rendering.set_audience(True, False)
+        assert rendering.wait(SECONDS)
+        failures = []
+
+        def download():
+            try:
+                fetch(own.url + "capture/picture.png")
+            except aiohttp.ClientError as error:
+                failures.append(error)
+
+        asking = threading.Thread(target=download)
+        asking.start()
+        while not own.rendering.waiting():  # it asks while a frame is rendered
+            time.sleep(0.01)
+        threading.Timer(0.5, release.set).start()  # the frame ends once the end is asked for
+        start = time.monotonic()
+        own.close()
+        asking.join()
+    assert time.monotonic() - start < 10 and len(failures) == 1
+    assert own.rendering.submit(print).cancelled()
+
+
+def test_a_command_that_nobody_waits_for_is_left_out(viewer):
+    blocked, release = viewer.rendering.submit(time.sleep, 0.5), viewer.rendering.submit(int)
+    assert release.cancel() and blocked.result(SECONDS) is None
+    assert viewer.rendering.submit(int).result(SECONDS) == 0
 
 
 def test_random_input_leaves_the_viewer_alive(viewer):

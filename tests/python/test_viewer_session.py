@@ -8,7 +8,7 @@ import subprocess
 import numpy as np
 import pytest
 from PIL import Image
-from renderer_scenes import GRAPH, make_renderer, restirpg, scene, scene_file  # noqa: F401
+from renderer_scenes import GRAPH, make_renderer, restirpg, scene, scene_file, write_flying_panel  # noqa: F401
 
 from restirpg.harness import UserError
 from restirpg.harness.render import native_file
@@ -31,6 +31,12 @@ def reference(scene):
 def shared(scene, reference):
     """A session of two graphs that all tests use."""
     return Session(scene, [GRAPH, GRAPH], SIZE, reference, validation=True)
+
+
+@pytest.fixture(scope="module")
+def flying(tmp_path_factory):
+    """A scene that its panel fills at 0 s and has left at 1 s."""
+    return restirpg.load_scene(write_flying_panel(tmp_path_factory.mktemp("flying") / "panel.gltf"))
 
 
 @pytest.fixture
@@ -229,18 +235,95 @@ def test_cameras_of_the_scene_and_what_is_copied_of_one(session):
     assert camera.same(session.camera, session.home) and not camera.same(session.camera, moved)
 
 
+def rendered_by_command(session, pane, file):
+    """What the command line renders that a page copies of a frame."""
+    _, *arguments = shlex.split(session.frame().header["panes"][pane]["command"])
+    arguments[-1] = file
+    subprocess.run([native_file().parents[2] / "bin" / "restirpg", *arguments], check=True)
+    return restirpg.read_exr(file)
+
+
 def test_the_command_line_that_is_copied_renders_the_picture(session, tmp_path):
     session.apply({"do": "orbit", "x": 0.1, "y": 0.2})
     session.apply({"do": "pose", **json.loads(session.state()["json"])})  # as many digits as the command line has
     session.apply({"do": "set", "pane": 1, "knob": "paths.bounces", "value": 1})
     session.render()
     session.render()
-    _, *arguments = shlex.split(session.state()["panes"][1]["command"])
-    arguments[-1] = tmp_path / "out.exr"
-    subprocess.run([native_file().parents[2] / "bin" / "restirpg", *arguments], check=True)
-    assert restirpg.read_exr(tmp_path / "out.exr").tobytes() == images(session)[1].tobytes()
-    pose = restirpg.read_exr_attributes(tmp_path / "out.exr")["restirpg.pose"]
-    assert camera.same(camera.from_option(pose), session.camera)
+    file = tmp_path / "out.exr"
+    assert rendered_by_command(session, 1, file).tobytes() == images(session)[1].tobytes()
+    assert camera.same(camera.from_option(restirpg.read_exr_attributes(file)["restirpg.pose"]), session.camera)
+    session.apply({"do": "show", "pane": 0, "port": "gbuffer.normal"})
+    session.render()
+    assert rendered_by_command(session, 0, file).tobytes() == session.panes[0].read("gbuffer.normal").tobytes()
+
+
+def test_the_command_line_is_of_the_animation_as_it_is_now(flying, tmp_path):
+    session = Session(flying, [GRAPH], SIZE, validation=True)
+    session.apply({"do": "speed", "factor": 0.9})
+    for _ in range(3):
+        session.render()
+    (picture,) = images(session)
+    assert 0 < picture.mean() < 1  # the panel is on its way
+    assert rendered_by_command(session, 0, tmp_path / "out.exr").tobytes() == picture.tobytes()
+
+
+def test_the_options_of_the_viewer_are_in_the_command_line(scene, tmp_path):
+    options = {"device": 0, "bounces": 1, "energy_compensation": True}
+    session = Session(scene, [GRAPH], SIZE, allow_outside=True, validation=True, **options)
+    session.apply({"do": "pose", **json.loads(session.state()["json"])})  # as many digits as the command line has
+    session.render()
+    command = session.frame().header["panes"][0]["command"]
+    for words in ("--allow-outside", "--device 0", "--energy-compensation", "--set paths.bounces=1"):
+        assert words in command
+    assert rendered_by_command(session, 0, tmp_path / "out.exr").tobytes() == images(session)[0].tobytes()
+
+
+def test_the_bounce_cap_of_the_viewer_is_a_setting_of_each_graph(scene):
+    (pane,) = Session(scene, [GRAPH], SIZE, validation=True, bounces=1).panes
+    assert pane.settings == {"paths.bounces": 1} and pane.bounces == 1 and not pane.changed
+    pane.set("paths.bounces", 3)
+    assert pane.settings == {"paths.bounces": 3} and pane.bounces == 3
+    pane.set("paths.bounces", None)  # as the viewer began
+    assert pane.settings == {"paths.bounces": 1} and pane.bounces == 1
+    (entry,) = (entry for entry in json.loads(capture._graph(None, pane))["passes"] if entry["name"] == "paths")
+    assert entry["knobs"]["bounces"] == 1
+
+
+def test_a_port_that_nobody_reads_is_shown_at_the_time_of_the_scene(flying):
+    session = Session(flying, [GRAPH], SIZE, validation=True)
+    session.apply({"do": "time", "seconds": 1})
+    session.render()
+    assert not images(session)[0].any()
+    old = session.panes[0].renderer
+    session.apply({"do": "show", "pane": 0, "port": "gbuffer.normal"})
+    session.render()
+    assert session.panes[0].renderer is not old
+    assert not session.panes[0].read("gbuffer.normal").any() and not images(session)[0].any()
+
+
+def depth_graph():
+    """A graph whose picture has one channel."""
+    graph = restirpg.Graph("Depth")
+    graph.output("depth", graph.add("gbuffer", "GBuffer").depth)
+    return graph
+
+
+def test_a_picture_of_one_channel_has_no_error_and_is_shown(scene):
+    session = Session(scene, [depth_graph(), GRAPH, depth_graph()], SIZE, validation=True)
+    session.apply({"do": "reference", "source": "traced"})
+    session.render()
+    assert session.trace_reference()
+    session.apply({"do": "view", "name": "error"})
+    assert [error is None for error in session.errors()] == [True, False, True]
+    assert len(session.frame().images) == 3
+    np.testing.assert_array_equal(session._shown()[0], session.pixels(session.panes[0]))
+
+
+def test_depths_have_a_difference(scene):
+    session = Session(scene, [depth_graph(), depth_graph()], SIZE, validation=True)
+    session.apply({"do": "view", "name": "difference"})
+    session.render()
+    assert len(session.frame().images) == 1 and not session._shown()[0].any()
 
 
 def test_a_film_is_numbered_pictures_of_every_graph(session, tmp_path, monkeypatch):

@@ -36,7 +36,7 @@ def _exr(_, pane):
 
 
 def _graph(_, pane):
-    return json.dumps(graphs.with_knobs(pane.description, pane.changed), indent=1).encode()
+    return json.dumps(graphs.with_knobs(pane.description, pane.settings), indent=1).encode()
 
 
 _KINDS = {

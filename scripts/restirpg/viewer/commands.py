@@ -140,7 +140,8 @@ def do_show(session, pane, port):
     chosen = session.pane(pane)
     chosen.show(port)
     session.stale = True
-    if chosen.renderer.frame == 0:
+    if chosen.renderer.frame == 0:  # a new renderer
+        session.place(chosen)
         session.begin(chosen)
 
 
@@ -159,7 +160,7 @@ def do_time(session, seconds):
 
 
 def do_speed(session, factor):
-    """Seconds of the scene's animation a thirtieth of a frame: 0 stands still."""
+    """Of the scene's animation: a frame advances it by factor / 30 s; with 0 it stands still."""
     session.speed = float(as_number(factor, -100, 100))
 
 

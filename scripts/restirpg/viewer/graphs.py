@@ -35,8 +35,9 @@ def image_ports(description):
 
 
 def is_guided(description):
-    """Whether paths are guided by lobes in the hash grid."""
-    return {"GuidingSplat", "GuidingFit", "ReSTIRReuse"} <= {entry["type"] for entry in description["passes"]}
+    """Whether paths are guided by lobes in the hash grid: mixtures or chains, see guide.py."""
+    types = {entry["type"] for entry in description["passes"]}
+    return {"GuidingSplat", "GuidingFit", "ReSTIRReuse"} <= types or {"GuidingChain", "PathTracerGuided"} <= types
 
 
 def with_output(description, port):
@@ -69,9 +70,9 @@ def with_knobs(description, changed):
 
 
 def as_arguments(changed):
-    """Changed knobs as options of `restirpg render`."""
+    """Changed knobs as options of `restirpg render`, a list of words."""
 
     def text(value):
         return str(value).lower() if isinstance(value, bool) else str(value)
 
-    return " ".join(f"--set {name}={text(value)}" for name, value in sorted(changed.items()))
+    return [word for name, value in sorted(changed.items()) for word in ("--set", f"{name}={text(value)}")]

@@ -27,7 +27,7 @@ def at_pixel(pane, probe, scene, pixel, with_product):
     (point,) = guide_maps.find_points(seen, grid, [pixel], pane.renderer.size)
     maps, told = {}, {"side": float(grid.side(guiding.level_of(point.key)))}
     if with_product:
-        maps["true product"] = guide_maps.products_at([point], scene, scene.bounce_cap or 8)[0]
+        maps["true product"] = guide_maps.products_at([point], scene, pane.bounces)[0]
     if found := guide.at(point):
         mixture, learnt = found
         maps["lobes"] = guide_maps.lobes_in(mixture, point)

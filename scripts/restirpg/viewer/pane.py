@@ -57,6 +57,19 @@ class Pane:
         self._sum, self._count, self.milliseconds = None, 0, 0.0
 
     @property
+    def settings(self):
+        """{"pass.knob": value} of all knobs that may differ from the graph's: the bounce cap that was asked for, and those
+        that were turned."""
+        cap = self._options.get("bounces")
+        passes = [name for name, own in self._initial.items() if "bounces" in own and cap is not None]
+        return {**{f"{name}.bounces": cap for name in passes}, **self.changed}
+
+    @property
+    def bounces(self):
+        """The bounce cap, or None where no pass has one."""
+        return next((own["bounces"] for own in self.renderer.knobs().values() if "bounces" in own), None)
+
+    @property
     def name(self):
         """The graph's name."""
         return self.description["name"]

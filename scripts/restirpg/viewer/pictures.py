@@ -51,7 +51,8 @@ def heat(values, limit):
 def relative_difference(image, reference):
     """|image - reference| / (luminance of the reference + 1% of its mean), mean over the channels: (H, W), whose mean
     is the MAPE."""
-    return np.abs(image - reference).mean(-1) / (mape_scale(reference @ _LUMINANCE) + 1e-30)
+    luminance = reference @ _LUMINANCE if reference.shape[2] == 3 else reference.mean(-1)
+    return np.abs(image - reference).mean(-1) / (mape_scale(luminance) + 1e-30)
 
 
 def port(image, name, exposure):

@@ -29,13 +29,16 @@ class RenderThread(threading.Thread):
         self.watched = self.wanted = False
         self._session, self._publish, self._watch = session, publish, watch
         self._commands = queue.SimpleQueue()
-        self._stopping = False
+        self._stopping = self._ended = False
         self._revision = -1
+        self._failed = False  # the frame that was made last; it is tried again after a change
 
     def submit(self, function, *arguments):
-        """Have function(*arguments) called between two frames. Returns a Future."""
+        """Have function(*arguments) called between two frames. Returns a Future, which the thread's end cancels."""
         future = Future()
         self._commands.put((future, function, arguments))
+        if self._ended:
+            self._cancel_commands()
         return future
 
     def waiting(self):
@@ -65,19 +68,31 @@ class RenderThread(threading.Thread):
             except Exception as error:  # shown; the session goes on
                 self._report(error)
                 busy = False
+        self._ended = True
+        self._cancel_commands()
+
+    def _cancel_commands(self):
+        """Whoever waits for one is told that it never comes."""
+        try:
+            while True:
+                self._commands.get_nowait()[0].cancel()
+        except queue.Empty:
+            pass
 
     def _take_commands(self, wait):
-        """All that wait now; `wait`: seconds to wait for the first."""
+        """All that wait now, until stop(); `wait`: seconds to wait for the first."""
         try:
             command = self._commands.get(timeout=wait) if wait else self._commands.get_nowait()
-            while True:
-                self._call(*command)
-                command = self._commands.get_nowait()
+            self._call(*command)
+            while not self._stopping:
+                self._call(*self._commands.get_nowait())
         except queue.Empty:
             pass
 
     @staticmethod
     def _call(future, function, arguments):
+        if not future.set_running_or_notify_cancel():  # nobody waits any more
+            return
         try:
             future.set_result(function(*arguments))
         except Exception as error:
@@ -96,11 +111,18 @@ class RenderThread(threading.Thread):
             rendered = session.trace_reference() or rendered
         if self._revision != session.revision:
             self._revision = session.revision
+            self._failed = False
             self._publish(state=session.state())
-        if self.wanted and session.stale:
-            self.wanted = False  # until somebody has shown it
-            self._publish(frame=session.frame())
+        if self.wanted and session.stale and not self._failed:
+            self._show()
         return rendered
+
+    def _show(self):
+        self._failed = True
+        frame = self._session.frame()
+        self._failed = False
+        self.wanted = False  # until somebody has shown it
+        self._publish(frame=frame)
 
     def _report(self, error):
         if not isinstance(error, (UserError, restirpg.Error)):

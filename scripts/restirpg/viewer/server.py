@@ -17,6 +17,7 @@ from aiohttp import WSMsgType, web
 
 from . import capture
 from .rendering import message_of
+from .values import as_json
 
 PAGE = Path(__file__).parent / "page"
 _TYPES = {
@@ -52,10 +53,10 @@ class Client:
             await self.news.wait()
             self.news.clear()
             while self.notes:
-                await self.socket.send_json(self.notes.popleft())
+                await self.socket.send_str(as_json(self.notes.popleft()))
             if self.state is not None:
                 state, self.state = self.state, None
-                await self.socket.send_json({"state": state, "you": self.number})
+                await self.socket.send_str(as_json({"state": state, "you": self.number}))
             if self.frame is not None and self.ready:
                 frame, self.frame, self.ready = self.frame, None, False
                 await self.socket.send_bytes(pack(frame))
@@ -63,7 +64,7 @@ class Client:
 
 def pack(frame):
     """The length of the header (4 bytes, little endian), the header as JSON, and the pictures."""
-    header = json.dumps(frame.header).encode()
+    header = as_json(frame.header).encode()
     return b"".join([struct.pack("<I", len(header)), header, *frame.images])
 
 

@@ -32,10 +32,11 @@ class Frame:
 class Session:
     """One scene, one camera, and up to a few graphs that render it in step."""
 
-    def __init__(self, scene, sources, size, reference=None, captures=None, **options):
+    def __init__(self, scene, sources, size, reference=None, captures=None, allow_outside=False, **options):
         """sources: graph files, restirpg.Graph or descriptions. reference: an image (H, W, 3) of the scene's own
-        camera. captures: the folder where films are put."""
+        camera. captures: the folder where films are put. allow_outside: with which the scene was loaded."""
         self.scene, self.size, self.captures = scene, tuple(size), captures
+        self._own_arguments = _as_arguments(options, allow_outside)
         self.reference = Reference(scene, self.size, options, reference)
         self.film = None
         self.panes = [Pane(scene, source, self.size, options) for source in sources]
@@ -85,7 +86,8 @@ class Session:
                 pane.build(pane.port)
             except restirpg.Error as error:
                 refusals.append(str(error))
-        self._place()
+        for pane in self.panes:
+            self.place(pane)
         self.steps = max(self.steps, 1)
         if refusals:
             raise UserError("\n".join(dict.fromkeys(refusals)))
@@ -96,11 +98,11 @@ class Session:
             return True
         return self.playing and (self.speed != 0 or min(pane.frames for pane in self.panes) < MOST_FRAMES)
 
-    def _place(self):
-        for pane in self.panes:
-            pane.renderer.move_camera(**self.camera)
-            if self.scene.duration > 0:
-                pane.renderer.set_time(self.time)
+    def place(self, pane):
+        """Camera and scene time of a graph."""
+        pane.renderer.move_camera(**self.camera)
+        if self.scene.duration > 0:
+            pane.renderer.set_time(self.time)
 
     def render(self):
         """The next frame of every graph."""
@@ -108,8 +110,8 @@ class Session:
             self.time = max(0.0, self.time + self.speed / 30)
             self.moved = True
         if self.moved:
-            self._place()
             for pane in self.panes:
+                self.place(pane)
                 pane.forget()
                 if not self.keep:
                     pane.renderer.cut()
@@ -133,8 +135,7 @@ class Session:
 
     def _view(self):
         """What the reference is of: it follows the bounce cap of the first graph."""
-        knobs = (entry["bounces"] for entry in self.panes[0].renderer.knobs().values() if "bounces" in entry)
-        return self.camera, self.time, next(knobs, None)
+        return self.camera, self.time, self.panes[0].bounces
 
     def trace_reference(self):
         """One more frame of the traced reference while the view rests. Returns whether there was one to render."""
@@ -148,11 +149,15 @@ class Session:
             self.render()
 
     def errors(self):
-        """MAPE of each picture against the reference; None where there is none, or it shows another view."""
+        """MAPE of each picture against the reference; None where there is none, it shows another view, or the picture
+        has not its channels."""
         truth = self.truth()
         if truth is None:
             return [None] * len(self.panes)
-        return [restirpg.measure_errors(pane.picture(), truth)["mape"] for pane in self.panes]
+        images = [pane.picture() for pane in self.panes]
+        return [
+            restirpg.measure_errors(image, truth)["mape"] if image.shape == truth.shape else None for image in images
+        ]
 
     def truth(self):
         """The reference of this view, or None."""
@@ -164,11 +169,15 @@ class Session:
             first, second = (pane.picture() for pane in self.panes[:2])
             return [pictures.heat(pictures.relative_difference(second, first), 2.0**-self.exposure)]
         if self.view == "error" and (truth := self.truth()) is not None:
-            return [
-                pictures.heat(pictures.relative_difference(pane.picture(), truth), 2.0**-self.exposure)
-                for pane in self.panes
-            ]
+            return [self._error_pixels(pane, truth) for pane in self.panes]
         return [self.pixels(pane) for pane in self.panes]
+
+    def _error_pixels(self, pane, truth):
+        """A graph's errors; its picture where it has none, see errors()."""
+        image = pane.picture()
+        if image.shape != truth.shape:
+            return self.pixels(pane)
+        return pictures.heat(pictures.relative_difference(image, truth), 2.0**-self.exposure)
 
     def pixels(self, pane):
         """A graph's picture, or the port that it shows, as 8-bit."""
@@ -180,7 +189,6 @@ class Session:
         """The Frame to show."""
         self.settle()
         start = time.perf_counter()
-        self.stale = False
         images = [pictures.jpeg(pixels) for pixels in self._shown()]
         panes = [
             {
@@ -189,6 +197,7 @@ class Session:
                 "passes": pane.renderer.gpu_times(),
                 "memory": sum(pane.renderer.memory().values()),
                 "mape": error,
+                "command": self._command(pane),
             }
             for pane, error in zip(self.panes, self.errors())
         ]
@@ -201,6 +210,7 @@ class Session:
             "film": self.film and self.film.told(),
             "view_milliseconds": 1000 * (time.perf_counter() - start),
         }
+        self.stale = False
         return Frame(header, images)
 
     def state(self):
@@ -213,8 +223,7 @@ class Session:
                 "ports": sorted(pane.ports),
                 "port": pane.port,
                 "guided": graphs.is_guided(pane.description),
-                "arguments": graphs.as_arguments(pane.changed),
-                "command": self._command(pane),
+                "arguments": shlex.join(graphs.as_arguments(pane.settings)),
             }
             for pane in self.panes
         ]
@@ -240,7 +249,7 @@ class Session:
         }
 
     def _command(self, pane):
-        """The command line that renders what a graph shows here."""
+        """The command line that renders what a graph shows here, unless it keeps history over moves."""
         words = [
             "restirpg",
             "render",
@@ -253,10 +262,23 @@ class Session:
             str(max(1, pane.frames)),
             "--seed",
             str(self.seed),
-            *graphs.as_arguments(pane.changed).split(),
+            *graphs.as_arguments(pane.settings),
             camera.as_option(self.camera),
-            *(["--time", f"{self.time:.6g}"] if self.time else []),
+            *(["--time", f"{self.time:.9g}"] if self.time else []),  # all digits of a float
+            *(["--output", pane.port] if pane.port else []),
+            *self._own_arguments,
             "-o",
             "out.exr",
         ]
         return shlex.join(words)
+
+
+def _as_arguments(options, allow_outside):
+    """Options of a renderer, on which pictures depend, as those of `restirpg render`. Its bounce cap is in
+    Pane.settings."""
+    named = {name: options[name] for name in ("device", "backend") if options.get(name) is not None}
+    return [
+        *(word for name, value in named.items() for word in (f"--{name}", str(value))),
+        *(["--energy-compensation"] if options.get("energy_compensation") else []),
+        *(["--allow-outside"] if allow_outside else []),
+    ]

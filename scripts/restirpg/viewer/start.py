@@ -20,6 +20,7 @@ from .session import Session
 from .watch import Watch
 
 MOST_GRAPHS = 4
+_PATIENCE = 2  # s that a request at hand has once the viewer ends
 
 
 class Viewer:
@@ -46,7 +47,7 @@ class Viewer:
 
     async def _serve(self, port):
         await self._runner.setup()
-        site = web.TCPSite(self._runner, "127.0.0.1", port)
+        site = web.TCPSite(self._runner, "127.0.0.1", port, shutdown_timeout=_PATIENCE)
         await site.start()
         return site._server.sockets[0].getsockname()[1]
 
@@ -72,18 +73,29 @@ class Viewer:
         return f'<iframe src="{html.escape(self.url)}" width="100%" height="760" style="border: 0"></iframe>'
 
 
-def view(graphs, scene, size=(640, 360), reference=None, port=0, captures="out/captures", pose=None, **options):
+def view(
+    graphs,
+    scene,
+    size=(640, 360),
+    reference=None,
+    port=0,
+    captures="out/captures",
+    pose=None,
+    allow_outside=False,
+    **options,
+):
     """Look at a scene through one graph or several, live, in a browser on this machine. Returns a Viewer.
 
     graphs: a graph file, a restirpg.Graph or a description, or a list of up to 4. scene: a file or what load_scene
     returns. reference: an EXR file of the scene's own camera, to measure errors against. captures: the folder where
-    films are put. pose: where the camera stands at first, as Renderer.camera has it. options: of restirpg.Renderer.
+    films are put. pose: where the camera stands at first, as Renderer.camera has it. allow_outside: of load_scene; the
+    command lines that the page copies say so too. options: of restirpg.Renderer.
     """
     sources = list(graphs) if isinstance(graphs, (list, tuple)) else [graphs]
     if not 1 <= len(sources) <= MOST_GRAPHS:
         raise UserError(f"give 1 to {MOST_GRAPHS} graphs, not {len(sources)}")
     if isinstance(scene, (str, Path)):
-        scene = restirpg.load_scene(scene)
+        scene = restirpg.load_scene(scene, allow_outside=allow_outside)
     image = None
     if reference is not None:
         image = render.read_exr(reference)
@@ -91,7 +103,7 @@ def view(graphs, scene, size=(640, 360), reference=None, port=0, captures="out/c
             raise UserError(
                 f"{reference}: {image.shape[1]}x{image.shape[0]} pixels; the viewer shows {size[0]}x{size[1]}"
             )
-    session = Session(scene, sources, size, image, captures, **options)
+    session = Session(scene, sources, size, image, captures, allow_outside, **options)
     if pose is not None:
         session.apply({"do": "pose", **pose})
     return Viewer(session, port, Watch([pane.file for pane in session.panes if pane.file]))
@@ -147,15 +159,15 @@ def main(arguments):
     def body(_):
         render.find_package()
         with render.refusals():
-            scene = restirpg.load_scene(options.scene, allow_outside=options.allow_outside)
             viewer = view(
                 options.graphs,
-                scene,
+                options.scene,
                 options.size,
                 options.reference,
                 options.port,
                 options.captures,
                 options.pose,
+                options.allow_outside,
                 device=options.device,
                 bounces=options.bounces,
             )

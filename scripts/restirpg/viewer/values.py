@@ -1,5 +1,6 @@
-"""Values of the page's messages, checked."""
+"""Values of the page's messages: checked on the way in, as JSON on the way out."""
 
+import json
 import math
 
 from restirpg.harness import UserError
@@ -10,3 +11,22 @@ def as_number(value, low=-1e6, high=1e6):
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise UserError(f"{value!r} is no number")
     return min(high, max(low, value))
+
+
+def as_json(value):
+    """JSON that a browser reads. It has no number that is not finite: such a one is a string, as JavaScript's Number()
+    takes it."""
+    try:
+        return json.dumps(value, allow_nan=False)
+    except ValueError:
+        return json.dumps(_spelled(value), allow_nan=False)
+
+
+def _spelled(value):
+    if isinstance(value, dict):
+        return {name: _spelled(part) for name, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_spelled(part) for part in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
+    return value

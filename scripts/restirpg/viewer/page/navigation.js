@@ -67,6 +67,8 @@ export class Navigation {
     key(event) {
         if (event.target.matches("input:not([type=range]):not([type=checkbox]), select, textarea") || event.ctrlKey || event.metaKey || event.altKey)
             return;
+        if (event.key === " " && event.target.matches("button, summary, input, a, select, textarea"))
+            return;  // it presses what has the focus
         const key = event.key.toLowerCase(), page = this.page, stage = page.stage;
         this.fast = event.shiftKey;
         if (key in KEYS) {

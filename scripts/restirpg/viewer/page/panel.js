@@ -8,6 +8,7 @@ function element(name, properties = {}, ...children) {
 }
 
 const bytes = count => count < 1e6 ? `${(count / 1e3).toFixed(0)} kB` : `${(count / 1e6).toFixed(1)} MB`;
+const STEP = 1 / 64;  // of log(frames), from one point of a chart's line to the next but one at least: no more than a pixel or two
 const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"];
 
 export class Panel {
@@ -85,7 +86,7 @@ export class Panel {
                 if (input.type === "checkbox")
                     input.checked = knob.value;
                 else
-                    input.value = knob.type === "float" ? Number(knob.value.toPrecision(7)) : knob.value;
+                    input.value = knob.type === "float" ? Number(Number(knob.value).toPrecision(7)) : knob.value;
             }
         built.port.value = pane.port ?? "";
     }
@@ -111,19 +112,27 @@ export class Panel {
             const line = this.errors[i] ??= [];
             if (pane.mape === null || line.length && pane.frames < line.at(-1)[0])
                 line.length = 0;
-            if (pane.mape > 0 && pane.frames !== line.at(-1)?.[0])
-                line.push([pane.frames, pane.mape]);
+            if (Number.isFinite(pane.mape) && pane.mape > 0 && pane.frames !== line.at(-1)?.[0])
+                this.addPoint(line, [pane.frames, pane.mape]);
         });
         this.chart.hidden = !this.errors.some(line => line.length);
         if (!this.chart.hidden)
             this.drawErrors();
     }
 
+    // The last point gives way where it is close behind the one before it: some hundreds are left of any number of frames.
+    addPoint(line, point) {
+        if (line.length > 1 && Math.log(point[0] / line.at(-2)[0]) < STEP)
+            line.pop();
+        line.push(point);
+    }
+
     // MAPE over frames, both logarithmic.
     drawErrors() {
         const context = this.chart.getContext("2d"), { width, height } = this.chart, all = this.errors.flat();
-        const [low, high] = [Math.min(...all.map(p => p[1])), Math.max(...all.map(p => p[1]))].map(Math.log);
-        const last = Math.log(Math.max(2, ...all.map(p => p[0])));
+        const least = all.reduce((least, [, error]) => Math.min(least, error), Infinity);
+        const most = all.reduce((most, [, error]) => Math.max(most, error), 0);
+        const low = Math.log(least), high = Math.log(most), last = Math.log(all.reduce((most, [frames]) => Math.max(most, frames), 2));
         context.clearRect(0, 0, width, height);
         this.errors.forEach((line, i) => {
             context.strokeStyle = COLOURS[i];
@@ -153,9 +162,9 @@ export class Panel {
 
     // The hemisphere about the normal: azimuth to the right, cosine downwards from 1 to 0.
     showGuide(guide) {
-        const lobes = (guide.lobes ?? []).map(([kappa, weight]) => element("tr", {}, element("td", { textContent: `lobe, kappa ${kappa.toPrecision(3)}` }),
+        const lobes = (guide.lobes ?? []).map(pair => pair.map(Number)).map(([kappa, weight]) => element("tr", {}, element("td", { textContent: `lobe, kappa ${kappa.toPrecision(3)}` }),
                                                                              element("td", { textContent: `${(100 * weight).toFixed(1)}%` })));
-        const told = guide.lobes ? `, alpha ${guide.alpha.toFixed(3)}, learnt from ${guide.samples.toFixed(0)} samples, last ${guide.age} frames ago` : ": nothing learnt yet";
+        const told = guide.lobes ? `, alpha ${Number(guide.alpha).toFixed(3)}, learnt from ${Number(guide.samples).toFixed(0)} samples, last ${guide.age} frames ago` : ": nothing learnt yet";
         this.guide?.replaceChildren(element("div", { textContent: `cell of ${(100 * guide.side).toPrecision(3)} cm${told}` }), element("table", {}, ...lobes),
             ...Object.entries(guide.maps).map(([name, data]) => element("figure", {}, element("figcaption", { textContent: name }),
                 element("img", { src: `data:image/png;base64,${data}` }))));

@@ -6,6 +6,7 @@ import { Panel } from "./panel.js";
 
 const $ = id => document.getElementById(id);
 const LATENCIES = 50;  // of which the median is shown
+const UNSEEN = new Set(["shown", "visible", "inspect", "guide"]);  // messages that no picture shows
 
 class Stage {
     constructor(page) {
@@ -82,7 +83,7 @@ class Stage {
             this.blit(context, right, s.split, 1);
             this.drawPath(context, right, s.split, 1);
             context.fillStyle = "#fff";
-            context.fillRect(s.split * across - 1, 0, 2, down);
+            context.fillRect(s.split * across - devicePixelRatio, 0, 2 * devicePixelRatio, down);
         }
         pane.children[1].textContent = this.names[left] ?? "";
         pane.children[2].textContent = splits ? this.names[right] ?? "" : "";
@@ -116,11 +117,11 @@ class Stage {
     drawPath(context, index, from, to) {
         if (!this.paths || this.page.state.view === "difference")
             return;
-        const { zoom, x, y } = this.look, { width, height } = context.canvas, path = this.paths[index];
+        const { zoom, x, y } = this.look, { width, height } = context.canvas, path = this.paths[index], unit = devicePixelRatio;
         const at = ([u, v]) => [(u - x) * zoom * width, (v - y) * zoom * height];
         const line = (from, to, colour, dash) => {
             context.strokeStyle = colour;
-            context.setLineDash(dash);
+            context.setLineDash(dash.map(part => part * unit));
             context.beginPath();
             context.moveTo(...at(from));
             context.lineTo(...at(to));
@@ -130,11 +131,11 @@ class Stage {
         context.beginPath();
         context.rect(from * width, 0, (to - from) * width, height);
         context.clip();
-        context.lineWidth = 2;
-        context.font = "12px sans-serif";
+        context.lineWidth = 2 * unit;
+        context.font = `${12 * unit}px sans-serif`;
         context.setLineDash([]);
         context.strokeStyle = "#fff";
-        context.strokeRect(...at(this.pathPixel).map(value => value - 4), 8, 8);
+        context.strokeRect(...at(this.pathPixel).map(value => value - 4 * unit), 8 * unit, 8 * unit);
         path?.points.forEach((point, i) => {
             const last = i > 0 ? path.points[i - 1] : path.bounces[0] > 1 ? this.pathPixel : null;
             if (point && last)
@@ -148,11 +149,12 @@ class Stage {
                 return;
             context.fillStyle = "#0ff";
             context.beginPath();
-            context.arc(...at(point), 4, 0, 2 * Math.PI);
+            context.arc(...at(point), 4 * unit, 0, 2 * Math.PI);
             context.fill();
             context.strokeStyle = "#000";  // an outline, so that the number is read on any colour
-            context.strokeText(`x${path.bounces[i]}`, at(point)[0] + 6, at(point)[1] - 6);
-            context.fillText(`x${path.bounces[i]}`, at(point)[0] + 6, at(point)[1] - 6);
+            const number = [`x${path.bounces[i]}`, at(point)[0] + 6 * unit, at(point)[1] - 6 * unit];
+            context.strokeText(...number);
+            context.fillText(...number);
         });
         context.restore();
     }
@@ -187,7 +189,7 @@ class Page {
         if (this.socket.readyState !== WebSocket.OPEN)
             return;
         this.socket.send(JSON.stringify({ do: name, id: ++this.id, ...more }));
-        if (name !== "shown")
+        if (!UNSEEN.has(name))
             this.sent.set(this.id, performance.now());
     }
 
@@ -218,7 +220,9 @@ class Page {
         if (images.length)
             this.stage.show(images);
         this.frames += 1;
+        this.header = header;
         this.measure(header);
+        this.showTime(header.time);
         this.panel.showFrame(header);
         this.showFilm(header.film);
         this.send("shown");
@@ -234,15 +238,11 @@ class Page {
 
     measure(header) {
         const now = performance.now(), seen = header.seen[this.you];
-        let first = null;
-        for (const [id, when] of this.sent) {
-            if (id > seen || seen === undefined)
-                break;
-            first ??= when;
+        const when = this.sent.get(seen);
+        if (when !== undefined)
+            this.latencies = [...this.latencies, now - when].slice(-LATENCIES);
+        for (const id of [...this.sent.keys()].filter(id => id <= seen))  // refused ones among them
             this.sent.delete(id);
-        }
-        if (first !== null)
-            this.latencies = [...this.latencies, now - first].slice(-LATENCIES);
         this.arrivals = [...this.arrivals, now].filter(when => when > now - 2000);
         const rate = this.arrivals.length > 1 ? 1000 * (this.arrivals.length - 1) / (now - this.arrivals[0]) : 0;
         const middle = this.latencies.toSorted((x, y) => x - y)[this.latencies.length >> 1];
@@ -254,8 +254,10 @@ class Page {
     }
 
     report(text, kind = "") {
-        const line = Object.assign(document.createElement("div"), { textContent: text, className: kind, title: "click to close" });
-        line.onclick = () => line.remove();
+        const line = Object.assign(document.createElement("div"), { className: kind });
+        const close = Object.assign(document.createElement("button"), { textContent: "\u00d7", title: "close", ariaLabel: "close this message" });
+        close.onclick = () => line.remove();
+        line.append(text, close);
         $("messages").replaceChildren(...[...$("messages").children].slice(-2), line);
         if (kind)
             setTimeout(() => line.remove(), 4000);
@@ -273,9 +275,9 @@ class Page {
         $("speed").onchange = event => this.send("speed", { factor: Number(event.target.value) });
         $("camera").onchange = event => this.send("camera", { number: Number(event.target.value) });
         $("copy").onchange = event => {
-            const kind = event.target.value, s = this.state;
+            const kind = event.target.value;
             event.target.value = "";
-            this.copy(kind === "command" ? s.panes[Math.min(this.stage.look.a, s.panes.length - 1)].command : s[kind]);
+            this.copy(kind === "command" ? this.command() : this.state[kind]);
         };
         $("reference").onchange = event => this.send("reference", { source: event.target.value });
         $("film").onclick = () => this.send("film", { frames: this.filming ? 0 : Number($("length").value), kind: $("kind").value });
@@ -285,6 +287,12 @@ class Page {
             button.onclick = () => this.stage.set({ mode: button.dataset.mode });
     }
 
+    // The command line of the left picture as it is shown.
+    command() {
+        const panes = this.header?.panes;
+        return panes ? panes[Math.min(this.stage.look.a, panes.length - 1)].command : "no picture has come yet";
+    }
+
     async copy(text) {
         try {
             await navigator.clipboard.writeText(text);
@@ -292,6 +300,14 @@ class Page {
         } catch {
             this.report(text);  // where the browser gives no clipboard it can be selected
         }
+    }
+
+    // Where the animation is: the slider follows it, unless a hand is on it.
+    showTime(time) {
+        const slider = $("time"), held = this.state?.speed ? slider.matches(":active") : document.activeElement === slider;
+        if (!held)
+            slider.value = time;
+        slider.nextElementSibling.textContent = `${time.toFixed(2)} s`;
     }
 
     showState() {
@@ -323,7 +339,7 @@ class Page {
         for (const label of document.querySelectorAll(".animation"))
             label.hidden = s.duration === 0;
         $("time").max = s.duration;
-        fill("time", s.time);
+        this.showTime(s.time);
         fill("speed", s.speed);
         this.stage.forgetPaths(JSON.stringify(s.camera));
         this.stage.set({});
