@@ -33,9 +33,8 @@ def parse(arguments):
 
 def settled(method, scene, options):
     """A renderer of the method with its history."""
-    renderer = restirpg.Renderer(scene, restirpg.load_graph(method.graph), size=options.size, seed=1)
-    if options.bounces:
-        renderer.set_everywhere("bounces", options.bounces)
+    graph = restirpg.load_graph(method.graph)
+    renderer = restirpg.Renderer(scene, graph, size=options.size, seed=1, bounces=options.bounces)
     for knob, value in method.knobs:
         (renderer.set if "." in knob else renderer.set_everywhere)(knob, value)
     renderer.render(options.warm)

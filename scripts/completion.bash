@@ -4,7 +4,7 @@ _restirpg()
 {
     local program=${COMP_WORDS[0]} before=${COMP_WORDS[COMP_CWORD - 1]} word=${COMP_WORDS[COMP_CWORD]} words= files=
     if ((COMP_CWORD == 1)); then
-        words="render describe graph devices --help --version"
+        words="render describe graph devices view --help --version"
     elif [[ $word == -* ]]; then
         words=$("$program" "${COMP_WORDS[1]}" --help 2>/dev/null | grep -oE -- '--?[a-z][a-z-]*')
     else
@@ -20,7 +20,7 @@ _restirpg()
     mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word"; [[ -z $files ]] || { shopt -s extglob; compgen -f -X "!$files" -- "$word"; compgen -d -- "$word"; })
 }
 complete -o filenames -F _restirpg restirpg build/bin/restirpg
-for _program in compare make_scenes reproduce see_guide; do
+for _program in compare make_scenes reproduce see_guide view; do
     command -v register-python-argcomplete >/dev/null && eval "$(register-python-argcomplete "$_program.py" "scripts/$_program.py")"
 done
 unset _program

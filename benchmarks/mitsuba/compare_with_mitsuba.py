@@ -95,8 +95,8 @@ def render_ours(scene_file, environment, options):
         size=options.size,
         seed=options.seed,
         backend=options.backend,
+        bounces=options.bounces,
     )
-    renderer.set_everywhere("bounces", options.bounces)
     sums = [np.zeros((*options.size[::-1], 3))]
     for run in range(1, options.runs + 1):
         renderer.render(options.frames)

@@ -11,12 +11,14 @@ Each run is a process of its own and one row of the CSV file, to which further c
 as Mitsuba's. All have emitter sampling, multiple importance sampling, no roulette and the same cap (Mitsuba's max_depth
 is two more). Ours have the file's materials, Mitsuba those that the converter makes of them. They are not quite the
 same, so that each renderer is measured against a reference of its own, by Mitsuba and by path_tracer, whose seed no run
-has. The first run of each method is not counted: it fills the caches of kernels. References are kept, named by what
-they depend on; runs that the CSV file has already are not made again.
+has. The first run of each method is not counted: it fills the caches of kernels. References are kept, named by the
+scene's content, size, cap, samples and our code's hash; with another Mitsuba or converter, give another folder. Runs that
+the CSV file has already are not made again: with other references, give another CSV file.
 """
 
 import argparse
 import csv
+import hashlib
 import os
 import subprocess
 import sys
@@ -73,7 +75,8 @@ def measure(scene, options):
     references = {}
     for method in (MITSUBA, PATH_TRACER):
         code = "" if method == MITSUBA else f"_{code_version()[:16]}"
-        name = f"{scene.stem}_{options.size}_cap{options.bounces}_{options.reference_samples}_{method}{code}"
+        content = hashlib.sha256(scene.read_bytes()).hexdigest()[:8]
+        name = f"{scene.stem}_{content}_{options.size}_cap{options.bounces}_{options.reference_samples}_{method}{code}"
         file = options.references / f"{name}.exr"
         if not file.is_file():
             unfinished = file.with_suffix(".part.exr")

@@ -236,7 +236,7 @@ Bvh build(std::span<const Box> boxes, uint32_t maxLeafSize, const SourceTriangle
         primitives = toPrimitives(boxes);
         arguments.primitives = primitives.data();
         arguments.primitiveArrayCapacity = primitives.size();
-        rtcGetDeviceError(builderDevice());  // forgets that
+        rtcGetDeviceError(builderDevice());  // clears the first attempt's error
         root = static_cast<const TreeNode*>(rtcBuildBVH(&arguments));
     }
     std::deque<TreeNode> balanced;

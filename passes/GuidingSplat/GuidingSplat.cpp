@@ -34,7 +34,8 @@ public:
         io.knob("incident", incident_,
                 "divide by the BSDF and the cosine, so that lobes fit the incident radiance alone");
         io.knob("parallax", parallax_,
-                "also add up distances and positions, so that GuidingFit can aim lobes by them (its `parallax`)");
+                "turn samples to the middle of their cell and add up distances, so that GuidingFit can aim lobes (its "
+                "`parallax`)");
         io.structural();
     }
 

@@ -15,7 +15,7 @@ struct GuidingSplatParameters {
     uint capacity;  ///< slots, a power of two
     uint finalEdges;  ///< FINAL_EDGES_*
     uint incident;  ///< 1: weigh each vertex by 1 / (f |cos|), so that the incident radiance alone is fitted
-    uint parallax;  ///< 1: add up places, too
+    uint parallax;  ///< 1: turn samples to the middle of their cell and add up distances, too
     float cellSize;  ///< of the image's height
     float smallestCell;  ///< of the scene's radius
     uint rowStep;  ///< of so many rows of pixels one is added

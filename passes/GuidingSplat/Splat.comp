@@ -72,7 +72,7 @@ void look_from(inout Sample s, vec3 offset)
         return;
     s.direction = w / len;
     s.vertex.direction = pack_direction(s.direction);
-    s.distance *= len;
+    s.distance = len * max(s.distance, SHORTEST_DISTANCE);
 }
 
 void add_sample(GuidingGrid grid, Sample s)

@@ -48,7 +48,8 @@ def m_step(sums, count, before, knobs):
 def reseed(m, strangest, lobes):
     """Move the lightest of the first `lobes` lobes that is below 2% or another's twin (cosine above 0.999,
     kappas within 1.5 times) to the direction `strangest`.  [shaders/README: The MAP fit] Returns the mixture, the lobe
-    that was moved and the one nearest to where it was, or None, and by how little a threshold was passed or missed."""
+    that was moved, the one nearest to where it was and by how little that is the nearest, or None, and by how little a
+    threshold was passed or missed."""
     mu, kappa, weight = m.mu[:lobes], m.kappa[:lobes], m.weight[:lobes]
     cosines = mu @ mu.T
     ratio = np.maximum.outer(kappa, kappa) / np.maximum(np.minimum.outer(kappa, kappa), 1e-20)
@@ -65,7 +66,7 @@ def reseed(m, strangest, lobes):
         margins.append(np.ptp(order[:2]) if len(order) > 1 else 1.0)
         k = idle[np.argmin(m.weight[idle])]
         near = np.where(np.arange(lobes) == k, -2, cosines[k])
-        moved = k, int(np.argmax(near))
+        moved = k, int(np.argmax(near)), np.ptp(np.sort(near)[-2:])
         m.mu[k], m.kappa[k], m.weight[k] = strangest, 10.0, 0.1
         m.weight = m.weight / m.weight.sum()
     return m, moved, min(margins)
@@ -74,7 +75,7 @@ def reseed(m, strangest, lobes):
 @dataclass
 class FittedCell:
     """What a cell of the guide should be. `memory` (22,): sums, bsdf, count, inverse distances, or None; `doubtful`:
-    rounding decides."""
+    rounding decides; `handed_over`: a lobe was moved, and what it remembered is another's."""
 
     mixture: Mixture
     alpha: float
@@ -82,6 +83,7 @@ class FittedCell:
     samples: float
     memory: np.ndarray | None
     doubtful: bool = False
+    handed_over: bool = False
 
 
 def memory_of(record):
@@ -127,7 +129,7 @@ def fit_cell(key, statistics, learns_alpha, grid, before, cells, knobs):
         if remembers:
             memory = memory + memory_of(cells[found][1])
     kept = 1.0 if knobs["pool"] else knobs["decay"]
-    count, lasting = memory[COUNT], memory
+    count, lasting, moved = memory[COUNT], memory, None
     if count >= knobs["minimum"]:
         mixture = m_step(memory[:BSDF].reshape(LOBES, 4), count - memory[BSDF], mixture, knobs)
         if learns_alpha:
@@ -141,11 +143,15 @@ def fit_cell(key, statistics, learns_alpha, grid, before, cells, knobs):
             )
             doubtful = doubtful or margin < 1e-4
             if moved and knobs["decay"] > 0:
-                lasting = hand_over(memory, *moved, knobs["lobes"])
+                lobe, heir, margin = moved
+                lasting = hand_over(memory, lobe, heir, knobs["lobes"])
+                doubtful = doubtful or margin < 1e-4
         age, samples, kept = 0, count, knobs["decay"]
     elif age > knobs["oldest"]:
         samples = 0.0
-    return FittedCell(mixture, alpha, age, samples, kept * lasting if remembers else None, doubtful)
+    return FittedCell(
+        mixture, alpha, age, samples, kept * lasting if remembers else None, doubtful, lasting is not memory
+    )
 
 
 def fit_guide(statistics, learns_alpha, grid, before, cells, knobs):

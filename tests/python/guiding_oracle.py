@@ -136,7 +136,7 @@ def e_step(samples, grid, before, cells, learns_alpha, parallax):
         seen = target - np.array([grid.center(key) for key in keys.tolist()])
         length = np.linalg.norm(seen, axis=-1)
         w = seen / length[:, None]
-        distance = distance * length / np.maximum(distance, SHORTEST_DISTANCE)
+        distance = length
     inverse = 1 / np.maximum(distance, SHORTEST_DISTANCE)
     result, doubts = {}, set(keys[doubtful].tolist())
     for key in map(int, np.unique(keys)):

@@ -30,6 +30,7 @@ def test_the_cheaper_methods_knob_is_raised_until_its_frame_costs_the_same(finis
     assert rows["plain"]["setting"] == "paths.neighbours=3.40" and rows["dear"]["setting"] == "own"
     assert float(rows["plain"]["ratio_below"]) == pytest.approx(3.75 / 3.95)
     assert float(rows["plain"]["ratio_above"]) == pytest.approx(4.25 / 3.95)
+    assert all(float(row["time_in_runs"]) == pytest.approx(1, rel=0.01) for row in rows.values())
     assert "Equal frame time: single frames" in finished[1].stdout and "paths.neighbours=3.40" in finished[1].stdout
 
 
@@ -49,6 +50,7 @@ def test_a_method_that_stays_cheaper_is_compared_at_the_knobs_largest_value(tmp_
     assert run.returncode == 0, run.stderr
     row = read(tmp_path, "equal_time.csv")["plain"]
     assert row["setting"] == "paths.neighbours=8.00, the largest: 0.61 of the time"
+    assert float(row["time_in_runs"]) == pytest.approx(6.25 / 10.25, rel=0.01)
     assert float(row["mape"]) == pytest.approx(
         float(read(tmp_path, "summary.csv")["plain paths.neighbours=8"]["mape_single"])
     )

@@ -131,6 +131,11 @@ CASES = {
     "still": ("cornell_box", "restir_pg", {}),
     "moving": ("door_ajar", "restir_pg", {"move": 0.04}),
     "raw, parallax and decay": ("door_ajar", "raw_pt_ruppert2020", {"move": 0.04}),
+    "raw, decay and lobes that are moved": (
+        "door_ajar",
+        "raw_pt_ruppert2020",
+        {"move": 0.04, "fit__lobes": 3, "fit__minimum": 2, "fit__weight_prior": 0},
+    ),
     "incident radiance": (
         "door_ajar",
         "restir_pg",
@@ -216,11 +221,16 @@ def check_strangest(frame):
         assert abs(128 - (strangest >> 32) / 256 - sums[key].worst) < 1 / 128
 
 
-def check_fit(frame):
-    """Parameters, ages, samples and memories of all cells, whether fitted now, pooled or carried on."""
-    expected = fit_oracle.fit_guide(
+def expected_guide(frame):
+    """The oracle's guide."""
+    return fit_oracle.fit_guide(
         frame.statistics[1], frame.learns_alpha, frame.grid, *frame.previous, frame.knobs["fit"]
     )
+
+
+def check_fit(frame):
+    """Parameters, ages, samples and memories of all cells, whether fitted now, pooled or carried on."""
+    expected = expected_guide(frame)
     guide = frame.guide[1]
     assert set(guide) == set(expected)
     certain = [key for key in expected if not expected[key].doubtful]
@@ -270,11 +280,15 @@ def test_every_frame_is_as_the_oracle_says(frames, check):
 
 
 def test_the_frames_show_what_is_tested(frames):
-    """Cells are fitted, others wait for samples, some had guidance before; alpha is learnt where it is to be."""
+    """Cells are fitted, others wait for samples, some had guidance before; alpha is learnt where it is to be; lobes are
+    moved, where that is to be seen, and leave what they remember."""
     learns = frames[-1].knobs["fit"]["learn_alpha"]
     assert [frame.learns_alpha for frame in frames] == [False] + [learns] * (len(frames) - 1)
     learnt = {records[0]["alpha"] for records in frames[-1].guide[1].values()}
     assert len(learnt) > 10 if learns else learnt == {32768}
+    if frames[-1].knobs["fit"]["lobes"] == 3:
+        moved = [cell for frame in frames for cell in expected_guide(frame).values() if cell.handed_over]
+        assert len(moved) > 20
     last = frames[-1].guide
     ages = np.array([records[0]["age"] for records in last[1].values()])
     assert 0 < last[0]["fitted"] < last[0]["cells"] and (ages > 0).any() and frames[-1].before is not None

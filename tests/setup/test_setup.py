@@ -130,6 +130,21 @@ def test_a_start_with_nothing_missing_calls_no_package_manager(tmp_path):
     assert shell("install_packages tests", PATH=f"{tmp_path}:{os.environ['PATH']}").stderr == ""
 
 
+ARCHIVE = """
+mesa_is_old() { return 1; }; as_root() { :; }; apt_install() { echo "installs $*"; }; apt-cache() { echo "Package: bash"; }
+"""
+
+
+def test_an_archive_without_the_browser_is_no_obstacle():
+    """Ubuntu's has none under Debian's name."""
+    done = shell(
+        ARCHIVE + "not_installed() { cat > /dev/null; printf 'bash\\nchromium\\n'; }; install_debian tests noble"
+    )
+    assert done.stdout == "installs bash\n" and "lacks chromium: tests that need it will skip" in done.stderr
+    missing = ARCHIVE + "not_installed() { cat > /dev/null; printf 'bash\\nembree\\n'; }; install_debian tests noble"
+    assert shell(missing, expect=2).stderr.endswith("archive lacks: embree\n")
+
+
 @pytest.mark.parametrize("script", ["run", "test"])
 def test_help_installs_and_builds_nothing(script, tmp_path):
     """With nothing on PATH that could."""

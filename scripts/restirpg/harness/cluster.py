@@ -78,7 +78,9 @@ class Cluster:
             raise UserError(
                 f"{address}: the scheduler has no workers; start some with dask-worker {address} --nthreads 1"
             ) from None
-        hosts = collections.Counter(worker["host"] for worker in self._client.scheduler_info()["workers"].values())
+        hosts = collections.Counter(
+            worker["host"] for worker in self._client.scheduler_info(n_workers=-1)["workers"].values()
+        )
         self._place = replace(self._place, at_a_time=max(hosts.values()))
 
     def __enter__(self):

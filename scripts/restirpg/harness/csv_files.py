@@ -99,7 +99,8 @@ def _write_denoised(findings, file):
 
 def _write_equal_time(findings, file):
     """Single frames' MAPE at equal frame time, with the knob's value and the ratios of frame times that it lies
-    between, and the frame time in the runs that were compared, of the dearest method's."""
+    between, and the frame time in the runs that were compared, as a share of the dearest
+    method's."""
     header = ["scene", "method", "setting", "ratio_below", "ratio_above", "time_in_runs"]
     header += ["mape", "mape_se", "change", "change_se", "p"]
     rows = []

@@ -73,6 +73,16 @@ def block_cell(method):
     return f"{count} of {method.block_p.size} biased (p = {max(p, 1e-99):.2g})"
 
 
+def _settled_in_words(scene):
+    """Which single frames are averaged; a method that puts out a mean has fewer in long runs."""
+    settled = [method.frames[settled_frames(method.curves["single"][0])] for method in scene.methods]
+    counts = sorted({len(frames) for frames in settled})
+    if not counts[-1]:
+        return "none is known"
+    number = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+    return f"mean of {number}, from frame {min(frames[0] for frames in settled if len(frames))} on"
+
+
 def equal_tables(scene):
     """[(title, header, rows)] of the errors at equal frames, of single frames, and at equal time."""
     tables = []
@@ -109,9 +119,7 @@ def equal_tables(scene):
         ]
         for method in scene.methods
     ]
-    first = scene.methods[0]
-    settled = first.frames[settled_frames(first.curves["single"][0])]
-    title = f"Single frames: mean of {len(settled)}" + (f", from frame {settled[0]} on" if len(settled) else "")
+    title = f"Single frames: {_settled_in_words(scene)}"
     flip = [] if scene.methods[0].flip is None else ["FLIP of the last frame"]
     tables.insert(1, (title, ["method", "MAPE", "against the first", *flip], rows))
     return tables
