@@ -147,7 +147,7 @@ void fit_cell(uint slot, uint64_t key)
     GuidingKeyArray(guiding_keys(params.guide)).at[slot] = key;
     guiding_cells(params.guide, params.capacity).at[slot] = pack_mixture(mixture, alpha, age, fitted_to);
     if (params.remembers != 0u) {
-        add_memory(lasting, lasting, keep - 1.0);
+        add_memory(lasting, lasting, keep - 1.0);  // times keep
         guiding_memories(params.guide, params.capacity).at[slot] = lasting;
     }
 }
