@@ -325,7 +325,7 @@ void addOutputOptions(CLI::App& command, RenderOptions& options)
         ->capture_default_str();
     command.add_option("--keep-every", options.keepEvery, "Also write the files every so many frames");
     command.add_option("--seed", options.renderer.seed, "Seed of all random numbers")->capture_default_str();
-    command.add_option("-o", options.exr, "EXR file: the first output as R, G, B, the others as layers");
+    command.add_option("-o,--out", options.exr, "EXR file: the first output as R, G, B, the others as layers");
     command.add_flag("--half", options.half, "Half floats in the EXR");
     command
         .add_option("--output", options.outputs,

@@ -81,11 +81,18 @@ void* createLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* pri
     return leaf;
 }
 
+/// What spatial splits need of a triangle soup.
+struct Splitting {
+    std::span<const SourceTriangle> triangles;
+    glm::vec3 rounding;  ///< m, along each axis: above what Embree's arithmetic may move a point by
+};
+
 /// Embree's callback of a spatial split: the bounds of the two parts of a triangle, cut at a plane across an axis.
 void splitTriangle(const RTCBuildPrimitive* primitive, unsigned axis, float plane, RTCBounds* left, RTCBounds* right,
                    void* user)
 {
-    const auto& corners = static_cast<const SourceTriangle*>(user)[primitive->primID].corners;
+    const auto& splitting = *static_cast<const Splitting*>(user);
+    const auto& corners = splitting.triangles[primitive->primID].corners;
     const Box whole{{primitive->lower_x, primitive->lower_y, primitive->lower_z},
                     {primitive->upper_x, primitive->upper_y, primitive->upper_z}};
     Box below, above;
@@ -103,12 +110,20 @@ void splitTriangle(const RTCBuildPrimitive* primitive, unsigned axis, float plan
         }
     }
     // The primitive may be a part already: stay inside its bounds, and inside this side of the plane.
-    const auto store = [&](Box part, RTCBounds& bounds) {
-        part.lower = glm::max(part.lower, whole.lower);
-        part.upper = glm::min(part.upper, whole.upper);
+    const auto within = [&](Box part) {
+        part = {glm::max(part.lower, whole.lower), glm::min(part.upper, whole.upper)};
+        return glm::all(glm::lessThanEqual(part.lower, part.upper)) ? part : whole;
+    };
+    below = within(below);
+    above = within(above);
+    below.upper[d] = above.lower[d] = plane;
+    // Embree sorts the parts by their middles. One that is thinner than its rounding could go to the other side, and
+    // where that leaves a side without any, Debian's Embree, which is built with its assertions, ends the process.
+    below.lower[d] = std::min(below.lower[d], plane - splitting.rounding[d]);
+    above.upper[d] = std::max(above.upper[d], plane + splitting.rounding[d]);
+    const auto store = [](const Box& part, RTCBounds& bounds) {
         bounds = {part.lower.x, part.lower.y, part.lower.z, 0, part.upper.x, part.upper.y, part.upper.z, 0};
     };
-    below.upper[d] = above.lower[d] = plane;
     store(below, *left);
     store(above, *right);
 }
@@ -197,7 +212,7 @@ TreeNode* buildBalanced(std::span<RTCBuildPrimitive> primitives, std::deque<Tree
     return &node;
 }
 
-Bvh build(std::span<const Box> boxes, uint32_t maxLeafSize, const SourceTriangle* triangles)
+Bvh build(std::span<const Box> boxes, uint32_t maxLeafSize, std::span<const SourceTriangle> triangles)
 {
     Box all;
     for (const auto& box : boxes) {
@@ -218,10 +233,11 @@ Bvh build(std::span<const Box> boxes, uint32_t maxLeafSize, const SourceTriangle
     arguments.traversalCost = 1;
     arguments.intersectionCost = 1;
     arguments.primitiveCount = primitives.size();
-    if (triangles) {
+    Splitting splitting{triangles, 0x1p-20f * glm::max(glm::abs(all.lower), glm::abs(all.upper))};
+    if (!triangles.empty()) {
         arguments.buildQuality = RTC_BUILD_QUALITY_HIGH;
         arguments.splitPrimitive = splitTriangle;
-        arguments.userPtr = const_cast<SourceTriangle*>(triangles);
+        arguments.userPtr = &splitting;
         primitives.resize(primitives.size() * SPLIT_CAPACITY);
     }
     arguments.primitives = primitives.data();
@@ -231,7 +247,7 @@ Bvh build(std::span<const Box> boxes, uint32_t maxLeafSize, const SourceTriangle
     arguments.setNodeBounds = setBounds;
     arguments.createLeaf = createLeaf;
     const auto* root = static_cast<const TreeNode*>(rtcBuildBVH(&arguments));
-    if (!root && triangles) {  // spatial splits do not end where very many triangles lie in one place
+    if (!root && !triangles.empty()) {  // spatial splits do not end where very many triangles lie in one place
         arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
         primitives = toPrimitives(boxes);
         arguments.primitives = primitives.data();
@@ -263,7 +279,7 @@ Bvh build(std::span<const Box> boxes, uint32_t maxLeafSize, const SourceTriangle
 
 Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeafSize)
 {
-    return build(boxes, maxLeafSize, nullptr);
+    return build(boxes, maxLeafSize, {});
 }
 
 TriangleBvh buildTriangleBvh(std::span<const SourceTriangle> triangles)
@@ -273,7 +289,7 @@ TriangleBvh buildTriangleBvh(std::span<const SourceTriangle> triangles)
         for (const auto& corner : triangles[i].corners)
             boxes[i].extend(corner);
     constexpr uint32_t MAX_LEAF = 4;
-    Bvh bvh = build(boxes, MAX_LEAF, triangles.data());
+    Bvh bvh = build(boxes, MAX_LEAF, triangles);
     TriangleBvh result{bvh.grid, std::move(bvh.nodes), {}};
     result.triangles.reserve(bvh.order.size());
     for (uint32_t i : bvh.order) {
