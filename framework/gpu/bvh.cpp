@@ -110,22 +110,20 @@ void splitTriangle(const RTCBuildPrimitive* primitive, unsigned axis, float plan
         }
     }
     // The primitive may be a part already: stay inside its bounds, and inside this side of the plane.
-    const auto within = [&](Box part) {
-        part = {glm::max(part.lower, whole.lower), glm::min(part.upper, whole.upper)};
-        return glm::all(glm::lessThanEqual(part.lower, part.upper)) ? part : whole;
-    };
-    below = within(below);
-    above = within(above);
-    below.upper[d] = above.lower[d] = plane;
-    // Embree sorts the parts by their middles. One that is thinner than its rounding could go to the other side, and
-    // where that leaves a side without any, Debian's Embree, which is built with its assertions, ends the process.
-    below.lower[d] = std::min(below.lower[d], plane - splitting.rounding[d]);
-    above.upper[d] = std::max(above.upper[d], plane + splitting.rounding[d]);
-    const auto store = [](const Box& part, RTCBounds& bounds) {
+    const auto store = [&](Box part, RTCBounds& bounds) {
+        part.lower = glm::max(part.lower, whole.lower);
+        part.upper = glm::min(part.upper, whole.upper);
         bounds = {part.lower.x, part.lower.y, part.lower.z, 0, part.upper.x, part.upper.y, part.upper.z, 0};
     };
+    below.upper[d] = above.lower[d] = plane;
     store(below, *left);
     store(above, *right);
+    // Embree sorts the parts by their middles. One that is thinner than its rounding could go to the other side, and
+    // where that leaves a side without any, Debian's Embree, which is built with its assertions, ends the process.
+    float& lowest = (&left->lower_x)[d];
+    float& highest = (&right->upper_x)[d];
+    lowest = std::min(lowest, plane - splitting.rounding[d]);
+    highest = std::max(highest, plane + splitting.rounding[d]);
 }
 
 /// Depth-first copy of the tree into the flat form.
