@@ -14,7 +14,8 @@ constexpr const char* DESCRIBE_PASS =
 
 inputs, outputs: a list of {name, type, channels, meaning}; channels: of a float image, 0 for another resource.
 knobs: a list of {name, type, default, minimum, maximum, choices, structural, meaning}; type: "bool", "int", "uint", "float",
-"choice" or "string"; structural: a change rebuilds the pass. Raises Error for a type that is not there or does not load.)";
+"choice" or "string"; minimum, maximum: of numbers, an int where the knob is one; structural: a change rebuilds the
+pass. Raises Error for a type that is not there or does not load.)";
 
 template <typename Port>
 nlohmann::json describePorts(const std::vector<Port>& ports)
@@ -34,9 +35,13 @@ nlohmann::json describeKnob(const Knob& knob)
     nlohmann::json entry = {{"name", knob.name},       {"type", type},
                             {"default", knob.get()},   {"choices", knob.choices},
                             {"meaning", knob.meaning}, {"structural", knob.structural}};
-    if (type == "int" || type == "uint" || type == "float") {
+    if (type == "float") {
         entry["minimum"] = knob.minimum;
         entry["maximum"] = knob.maximum;
+    }
+    if (type == "int" || type == "uint") {  // the knob takes nothing else
+        entry["minimum"] = int64_t(knob.minimum);
+        entry["maximum"] = int64_t(knob.maximum);
     }
     return entry;
 }

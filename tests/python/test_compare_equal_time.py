@@ -56,6 +56,13 @@ def test_a_method_that_stays_cheaper_is_compared_at_the_knobs_largest_value(tmp_
     )
 
 
+def test_the_knob_is_found_between_the_last_doubling_and_its_largest_value(tmp_path):
+    """From 2 neighbours on steps of 1, 2 and 4 would end at 9; 6.4 neighbours cost 5.45 ms."""
+    run = compare(tmp_path, "plain.json@neighbours=2,label=plain", "plain.json@ms=5.2,label=dear", **KNOB)
+    assert run.returncode == 0, run.stderr
+    assert read(tmp_path, "equal_time.csv")["plain"]["setting"] == "paths.neighbours=6.40"
+
+
 def test_of_equal_cost_nothing_is_raised(tmp_path):
     run = compare(tmp_path, "plain.json", "plain.json@noise=0.5,label=quiet", **KNOB)
     assert run.returncode == 0, run.stderr

@@ -139,6 +139,8 @@ def test_a_pass_tells_its_ports_and_knobs():
     declared = restirpg.describe_pass("PathTracerGuided")
     knobs = {knob["name"]: knob for knob in declared["knobs"]}
     assert declared["meaning"] and (knobs["bounces"]["type"], knobs["bounces"]["minimum"]) == ("uint", 0)
+    assert [type(knobs["bounces"][end]) for end in ("minimum", "maximum")] == [int, int]  # a setting that it takes
+    assert [type(knobs["alpha"][end]) for end in ("minimum", "maximum")] == [float, float]
     assert knobs["nee"]["default"] is True and "minimum" not in knobs["nee"]
     splat = {knob["name"]: knob for knob in restirpg.describe_pass("GuidingSplat")["knobs"]}
     assert splat["final_edges"]["choices"] == ["all", "scattered", "none"]

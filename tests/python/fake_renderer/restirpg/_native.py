@@ -68,7 +68,7 @@ def load_graph(file):
 
 def describe_pass(type):
     """The knob whose range is asked for."""
-    return {"knobs": [{"name": "neighbours", "minimum": 0, "maximum": MOST_NEIGHBOURS}]}
+    return {"knobs": [{"name": "neighbours", "type": "uint", "minimum": 0, "maximum": MOST_NEIGHBOURS}]}
 
 
 def code_paths():
@@ -138,6 +138,8 @@ class Renderer:
         name, knob = path.split(".")
         if knob not in self._knobs.get(name, {}):
             raise Error(f"no knob '{path}'")
+        if isinstance(self._knobs[name][knob], int) and not isinstance(value, int):
+            raise Error(f"knob '{path}' must be a whole number, not {value}")
         self._knobs[name][knob] = value
 
     def set_everywhere(self, knob, value):
