@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parents[1]
 GRAPHS = ROOT / "graphs"
 
 COLUMNS = ("frame", "mean", "candidates")
-ALONE = "candidates without reuse"  # a pass
+ALONE = "candidates_without_reuse"  # a pass
 
 
 def parse():
@@ -69,10 +69,12 @@ def make_reference(arguments, scene):
     return image
 
 
-def make_method(arguments, scene, method):
-    """A renderer of a jobs.Method that shows the parts of each frame."""
-    graph = render.describe_graph(method.graph)
-    gbuffer, direct, paths, reuse = passes_of(graph, "GBuffer", "ReSTIRDI", "PathTracerGuided", "ReSTIRReuse")
+def make_graph(file):
+    """A graph's description that shows the parts of each frame."""
+    graph = render.describe_graph(file)
+    types = ("GBuffer", "ReSTIRDI", "PathTracerGuided", "Accumulate")
+    gbuffer, direct, paths, accumulate = passes_of(graph, *types)
+    [indirect] = [own["inputs"]["indirect"] for own in graph["passes"] if own["name"] == accumulate]
     inputs = {"surface": {"pass": gbuffer, "output": "surface"}, "candidates": {"pass": paths, "output": "candidates"}}
     graph["passes"].append(
         {"name": ALONE, "type": "ReSTIRReuse", "inputs": inputs, "knobs": {"temporal": False, "rounds": 0}}
@@ -80,11 +82,16 @@ def make_method(arguments, scene, method):
     shown = {
         "direct": (direct, "radiance"),
         "emission": (gbuffer, "emission"),
-        "resampled": (reuse, "radiance"),
+        "indirect": (indirect["pass"], indirect["output"]),  # another ReSTIRReuse may teach the guide
         "candidates": (ALONE, "radiance"),
     }
     graph["outputs"] += [{"name": name, "pass": owner, "output": output} for name, (owner, output) in shown.items()]
-    renderer = make_renderer(arguments, scene, graph)
+    return graph
+
+
+def make_method(arguments, scene, method):
+    """A renderer of a jobs.Method that shows the parts of each frame."""
+    renderer = make_renderer(arguments, scene, make_graph(method.graph))
     for knob, value in method.knobs:
         renderer.set(knob, value)
     return renderer
@@ -103,7 +110,7 @@ def errors_of_run(arguments, renderer, seed, reference):
     for k in range(arguments.frames):
         renderer.render(1)
         rest = renderer.output("direct") + renderer.output("emission")
-        image = rest + renderer.output("resampled")
+        image = rest + renderer.output("indirect")
         total = total + image
         if k >= arguments.skip:
             frames.append(mape(image))
