@@ -3,6 +3,7 @@ mistakes."""
 
 import csv
 import importlib.util
+import io
 import json
 import re
 import subprocess
@@ -11,14 +12,14 @@ import numpy as np
 import pytest
 from harness_runs import ENVIRONMENT, ROOT, arguments, compare, write_graph
 
-from restirpg.harness import render, selftest, statistics
+from restirpg.harness import display, jobs, render, selftest, statistics
 from restirpg.harness.jobs import Job, parse_method, seed_of
 
 
-def write_exr(file, broken):
-    """A picture as the fake renderer reads it, `broken` of whose pixels are NaN."""
+def write_exr(file, broken, value):
+    """A picture as the fake renderer reads it, `broken` of whose pixels have that value."""
     image = np.ones((24, 32, 3), np.float32)
-    image[0, :broken] = np.nan
+    image[0, :broken] = value
     with open(file, "wb") as stream:
         np.save(stream, image)
 
@@ -104,6 +105,38 @@ def test_in_brief_there_is_a_verdict_and_one_table_of_80_columns(tmp_path):
     assert "8×8 blocks" not in table and "8×8 blocks" in (tmp_path / "out/tables.txt").read_text()
 
 
+def test_labels_are_no_markup(tmp_path):
+    label = "pt[/old] :bug: $x^$"
+    run = compare(tmp_path, "plain.json", f"plain.json@label={label}", size="16x16", frames=2, seeds=2)
+    assert run.returncode == 0, run.stderr
+    assert f" {label} " in run.stdout
+    brief = subprocess.run([*run.args, "--brief"], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True)
+    assert f" {label} " in brief.stdout, brief.stderr
+
+
+def test_a_first_frame_that_takes_longer_than_the_common_time_has_no_errors_then(tmp_path):
+    run = compare(tmp_path, "plain.json", "plain.json@ms=100,label=slow", size="16x16", frames=2, seeds=2)
+    assert run.returncode == 0, run.stderr
+    assert "nan" not in run.stdout
+    [row] = re.findall("^ *slow .*", run.stdout[run.stdout.index("Equal time") :], re.MULTILINE)[:1]
+    assert row.split()[-1] == "—"
+
+
+def test_work_that_was_not_foreseen_is_counted(monkeypatch):
+    monkeypatch.setattr(display, "SECONDS_BETWEEN_LINES", -1)
+    stream = io.StringIO()
+    told = display.Display(stream)
+    told.start(0)
+    told.advance(0, "a")
+    told.advance(4, "b")
+    told.start(10)
+    told.skip(10)
+    told.extend(8)
+    told.advance(2, "c")
+    shares = [(line.split()[0], line[-2]) for line in stream.getvalue().splitlines()]
+    assert shares == [("0%", "a"), ("100%", "b"), ("25%", "c")]
+
+
 def test_equal_time_compares_at_the_time_of_the_fastest(finished):
     # 2.25 ms a frame against 9 ms: half the noise at a quarter of the frames is the same error.
     rows = summary(finished[0])
@@ -157,9 +190,15 @@ def test_invalid_pixels_are_counted_in_all_measured_pictures_and_in_the_referenc
     assert f"bad: NaN or infinite pixels, {3 * 8 * 4} in all measured pictures" in run.stdout
     assert f"reference: {2 * 16} NaN or infinite pixels of its batches count as black" in run.stdout
     assert "plain: NaN" not in run.stdout
-    write_exr(tmp_path / "truth.exr", broken=5)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_picture_with_invalid_pixels_is_no_reference(tmp_path, value):
+    write_exr(tmp_path / "truth.exr", 5, value)
     run = compare(tmp_path, "plain.json", reference="truth.exr")
-    assert "reference: 5 NaN or infinite pixels are left out of errors" in run.stdout, run.stderr
+    assert run.returncode == 2 and run.stderr.count("\n") == 1
+    assert "truth.exr: 5 of its pixels are NaN or infinite" in run.stderr
+    assert len(list((tmp_path / "out/cache").glob("*.npz"))) == 1  # the graph's knobs: nothing was rendered
 
 
 def test_scenes_read_outside_of_their_folders_only_where_that_is_allowed(tmp_path):
@@ -267,6 +306,23 @@ def test_a_job_is_named_by_its_content_alone():
         ]
     ]
     assert len({job.key, *(other.key for other in others)}) == 1 + len(others)
+
+
+def test_a_run_that_measures_other_frames_is_another_job(monkeypatch):
+    job = Job(
+        scene="a.glb",
+        scene_hash="1",
+        graph="g.py",
+        description="{}",
+        size=(8, 8),
+        frames=400,
+        seed=3,
+        code="c",
+        reference="r",
+    )
+    before = job.key
+    monkeypatch.setattr(jobs, "LAST_FRAMES", 40)
+    assert job.key != before
 
 
 def test_settings_of_a_method_keep_their_types(tmp_path):

@@ -2,9 +2,12 @@
 milliseconds."""
 
 import csv
+import re
+import subprocess
+import sys
 
 import pytest
-from harness_runs import compare
+from harness_runs import ENVIRONMENT, arguments, compare
 
 KNOB = {"equal_frame_time": "paths.neighbours", "frames": 8, "seeds": 4}
 
@@ -80,3 +83,22 @@ def test_it_is_measured_in_tiles_too(tmp_path):
     )
     assert run.returncode == 0, run.stderr
     assert read(tmp_path, "equal_time.csv")["plain"]["setting"] == "paths.neighbours=3.40"
+
+
+#: compare.py with a line of progress for each step.
+TALKATIVE = """
+import sys
+from restirpg.harness import compare, display
+display.SECONDS_BETWEEN_LINES = -1
+sys.exit(compare.main(sys.argv[1:]))
+"""
+
+
+def test_its_runs_count_as_work_where_all_others_are_finished(tmp_path):
+    methods = ("plain.json", "plain.json@ms=3.7,label=dear")
+    assert compare(tmp_path, *methods, frames=8, seeds=4).returncode == 0
+    command = [sys.executable, "-c", TALKATIVE, *arguments(tmp_path, *methods, **KNOB)[2:]]
+    run = subprocess.run(command, cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    shares = [int(share) for share in re.findall(r"^(\d+)% rendered", run.stderr, re.MULTILINE)]
+    assert shares == sorted(shares) and 0 < shares[len(shares) // 2] < 100 and shares[-1] == 100

@@ -45,8 +45,7 @@ def warnings_of(runs, truth):
                 "its mean is wrong where they were"
             )
     if invalid := truth["meta"].get("invalid"):
-        fate = "of its batches count as black" if truth["meta"]["batches"] else "are left out of errors"
-        warnings.append(f"reference: {invalid} NaN or infinite pixels {fate}")
+        warnings.append(f"reference: {invalid} NaN or infinite pixels of its batches count as black")
     if dropped := truth["meta"].get("dropped"):
         warnings.append(
             f"reference: {dropped} samples were NaN, infinite or beyond 1e30 and left out: it is wrong where they were"

@@ -107,6 +107,8 @@ class Comparison:
                 replace(base, description=descriptions[method.graph], **vars(method)) for method in self._all_methods()
             ]
             self.plans.append(self._plan(facts, jobs, self._probe(jobs)))
+        if settings.reference:
+            reference.read(settings.reference, settings.size)
         self.display.stop()
 
     def _all_methods(self):
@@ -226,6 +228,7 @@ class Comparison:
             if not self.corners:
                 self.render(jobs)
             brackets, added = self._equal_frame_time(plan, jobs)
+            self.display.extend(sum(cost(job) for job in added))
             self.render(added)
             results.append(replace(self._collect(plan, keys, [*jobs, *added]), brackets=brackets))
         self.display.stop()

@@ -20,7 +20,7 @@ class Display:
     """Counts work in pixels times frames; work found in the cache does not count for the speed."""
 
     def __init__(self, stream=sys.stderr):
-        self._console = Console(file=stream)
+        self._console = Console(file=stream, markup=False, emoji=False, highlight=False)
         self._bar = None
         self._total = self._done = 0.0
         self._started = self._printed = time.monotonic()
@@ -32,7 +32,7 @@ class Display:
         self._started = self._printed = time.monotonic()
         if self._console.is_terminal:
             self._bar = Progress(
-                TextColumn("{task.description}"),
+                TextColumn("{task.description}", markup=False),
                 BarColumn(),
                 TaskProgressColumn(),
                 TimeElapsedColumn(),
@@ -47,7 +47,11 @@ class Display:
 
     def skip(self, work):
         """Some of the work need not be done."""
-        self._total -= work
+        self.extend(-work)
+
+    def extend(self, work):
+        """There is more work than start() was told."""
+        self._total += work
         if self._bar:
             self._bar.update(self._task, total=max(self._total, 1e-9))
 
@@ -59,14 +63,15 @@ class Display:
         elif time.monotonic() - self._printed > SECONDS_BETWEEN_LINES:
             self._printed = time.monotonic()
             left = ""
+            total = max(self._total, self._done, 1e-9)
             if self._done > 0:
-                seconds = (self._printed - self._started) * (self._total - self._done) / self._done
+                seconds = (self._printed - self._started) * (total - self._done) / self._done
                 left = f", {seconds / 60:.1f} min left"
-            self.message(f"{100 * self._done / self._total:.0f}% {self._word}{left} ({description})")
+            self.message(f"{100 * self._done / total:.0f}% {self._word}{left} ({description})")
 
     def message(self, text):
         """Print a line that stays."""
-        self._console.print(text, highlight=False, markup=False, soft_wrap=True)
+        self._console.print(text, soft_wrap=True)
 
     def stop(self):
         """End the stretch; the bar goes away."""

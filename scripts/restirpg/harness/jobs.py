@@ -114,7 +114,8 @@ class Job:
 
     @property
     def key(self):
-        """32 hexadecimal digits of the job's content; file names, places and labels are not part of it.
+        """32 hexadecimal digits of the job's content, and of which frames are measured; file names, places and labels
+        are not part of it.
 
         Nor are LATER_FIELDS that are not used: results from before they could be asked for stay valid.
         """
@@ -124,6 +125,8 @@ class Job:
             if name not in ("scene", "graph", "label", "allow_outside") and (name not in LATER_FIELDS or value)
         }
         content["description"] = without_places(self.description)
+        if self.reference is not None:  # else `frames` and `at` say them
+            content["measured"] = self.frames_measured()
         return digest(json.dumps(content, sort_keys=True).encode())
 
     def frames_measured(self):

@@ -22,6 +22,7 @@ matplotlib.rcParams.update(
         "grid.alpha": 0.25,
         "legend.frameon": False,
         "figure.autolayout": True,
+        "text.parse_math": False,  # labels and files are no markup
     }
 )
 

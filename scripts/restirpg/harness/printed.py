@@ -11,30 +11,34 @@ from restirpg.harness import statistics as st
 from restirpg.harness.tables import all_tables, error_of, reference_line, test_of, verdict_sentence
 
 
+def _console(stream, width):
+    """A console to which labels and files are no markup."""
+    return Console(file=stream, width=width, markup=False, emoji=False, highlight=False)
+
+
 def as_text(findings, width=None):
     """The tables of all scenes for a terminal; the same findings give the same text."""
     stream = io.StringIO()
-    console = Console(file=stream, width=width or 170)
+    console = _console(stream, width or 170)
     for scene in findings:
-        console.print(f"\n{scene.scene}  ({scene.seeds} {scene.unit}s)", style="bold", highlight=False)
+        console.print(f"\n{scene.scene}  ({scene.seeds} {scene.unit}s)", style="bold")
         if sentence := verdict_sentence(scene):
-            console.print(sentence, highlight=False)
-        console.print(reference_line(scene), highlight=False)
+            console.print(sentence)
+        console.print(reference_line(scene))
         for warning in scene.warnings:
-            console.print(f"warning: {warning}", highlight=False)
+            console.print(f"warning: {warning}")
         for title, header, rows in all_tables(scene):
             table = Table(title=title, box=rich.box.SIMPLE_HEAD, title_justify="left")
             for number, name in enumerate(header):
                 table.add_column(name, justify="left" if number == 0 else "right", overflow="fold")
             for row in rows:
                 table.add_row(*row)
-            console.print(table, highlight=False)
+            console.print(table)
     level = f"{100 * st.LEVEL:.0f}%"
     unit = findings[0].unit if findings else "seed"
     console.print(
         f"Errors are ± one standard error over {unit}s. Tests are paired by {unit}; "
-        f"words are at {level} over all methods and scenes (Holm).",
-        highlight=False,
+        f"words are at {level} over all methods and scenes (Holm)."
     )
     return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
 
@@ -42,11 +46,11 @@ def as_text(findings, width=None):
 def in_brief(findings):
     """The verdict of each scene and one table of at most 80 columns."""
     stream = io.StringIO()
-    console = Console(file=stream, width=80)
+    console = _console(stream, 80)
     for scene in findings:
-        console.print(f"\n{scene.scene}, {scene.seeds} {scene.unit}s", style="bold", highlight=False)
+        console.print(f"\n{scene.scene}, {scene.seeds} {scene.unit}s", style="bold")
         if sentence := verdict_sentence(scene):
-            console.print(sentence, highlight=False)
+            console.print(sentence)
         title, mode = "one frame", "single"
         if scene.at and scene.unit == "seed":
             title, mode = f"frame {scene.at[-1]}", test_of(scene, scene.at[-1])
@@ -61,11 +65,10 @@ def in_brief(findings):
         for method in scene.methods:
             cells = [_short(method, metric, kind) for _, metric, kind in columns]
             table.add_row(method.label, *cells, f"{st.mean_se(method.gpu_ms[:, -1] / method.frames[-1])[0]:.0f}")
-        console.print(table, highlight=False)
+        console.print(table)
     unit = findings[0].unit if findings else "seed"
     console.print(
-        f"Errors (MAPE) ± one standard error over {unit}s; * differs from the first method ({100 * st.LEVEL:.0f}% over all tests).",
-        highlight=False,
+        f"Errors (MAPE) ± one standard error over {unit}s; * differs from the first method ({100 * st.LEVEL:.0f}% over all tests)."
     )
     return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
 

@@ -52,13 +52,24 @@ def combine(cache, jobs):
     return result
 
 
-def from_exr(cache, file, size, corners=(), side=0):
-    """An EXR as a reference, or its tiles at those corners, taken as exact. Returns (key, result); raises UserError."""
+def read(file, size):
+    """An EXR's picture; raises UserError where it cannot be a reference."""
     image = render.read_exr(file)
     if image.shape[:2] != (size[1], size[0]):
         raise UserError(
             f"{file}: the reference is {image.shape[1]}x{image.shape[0]}; give that as --size, not {size[0]}x{size[1]}"
         )
+    if invalid := int(np.sum(~np.isfinite(image).all(axis=-1))):
+        raise UserError(
+            f"{file}: {invalid} of its pixels are NaN or infinite, so that it is no reference; "
+            "give another picture, or leave out --reference"
+        )
+    return image
+
+
+def from_exr(cache, file, size, corners=(), side=0):
+    """An EXR as a reference, or its tiles at those corners, taken as exact. Returns (key, result); raises UserError."""
+    image = read(file, size)
     if corners:
         image = tiles.stack(image, corners, side)
     result = {
@@ -72,7 +83,6 @@ def from_exr(cache, file, size, corners=(), side=0):
             "batches": 0,
             "frames": 0,
             "wall_ms": 0.0,
-            "invalid": int(np.sum(~np.isfinite(image).all(axis=-1))),
             "knobs": {},
             "device": {},
         },

@@ -107,7 +107,8 @@ def equal_tables(scene):
                 row += [with_error(*st.mean_se(times[:, -1] / frames)) for times in (method.gpu_ms, method.wall_ms)]
             else:
                 frames_then = [st.at_time(times, method.frames, scene.common_ms) for times in method.gpu_ms]
-                row.append(f"{sum(frames_then) / len(frames_then):.3g}")
+                mean = sum(frames_then) / len(frames_then)
+                row.append("—" if math.isnan(mean) else f"{mean:.3g}")
             rows.append(row)
         tables.append((title, header, rows))
     rows = [

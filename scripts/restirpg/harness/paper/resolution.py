@@ -6,7 +6,7 @@ gets four times as many samples a frame.
 
 import numpy as np
 
-from restirpg.harness import plots  # noqa: F401  (chooses matplotlib's backend and style)
+from restirpg.harness import plots  # it chooses matplotlib's backend and style
 from restirpg.harness.paper import errors, table_1
 from restirpg.harness.paper.page import Picture, Section, Table, estimate
 from restirpg.harness.paper.paper import OURS, RUPPERT, UNGUIDED, Study, method, name_of
@@ -74,6 +74,7 @@ def drawing(changes, counts):
     figure.axes[0].axhline(0, color="#888", linewidth=0.8)
     figure.axes[0].set_ylabel("change of MAPE, %")
     figure.axes[1].set_yscale("log")
+    plots.log_axis(figure.axes[1].yaxis)
     figure.axes[1].set_ylabel("samples a cell and frame")
     return figure
 
