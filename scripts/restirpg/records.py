@@ -41,7 +41,7 @@ def names():
 def constant(name):
     """A whole number of the headers: RESTIRPG_CONST."""
     value, _, shift = re.search(rf"RESTIRPG_CONST {name} = ([^;]*);", _headers())[1].replace("u", "").partition("<<")
-    return int(value) << int(shift or 0)
+    return int(value, 0) << int(shift or 0)
 
 
 def record(name, **views):

@@ -8,6 +8,7 @@ import pytest
 from renderer_scenes import ROOT
 
 from restirpg import records
+from restirpg.harness.guiding import Grid
 
 SHADERS = ROOT / "framework" / "shaders"
 
@@ -69,6 +70,19 @@ def test_every_record_lies_as_kernels_read_it(tmp_path):
 
 def test_constants_are_those_of_the_headers():
     assert records.constant("GUIDING_LOBES") == 4 and records.constant("VERTEX_LIGHT_SAMPLED") == 1 << 17
+    assert records.constant("VERTEX_MATERIAL_MASK") == 0xFFFF
+
+
+def test_keys_of_the_guide_are_laid_out_as_the_header_says():
+    grid = Grid(camera=np.zeros(3), scale=1.0, origin=np.zeros(3), smallest=1.0, radius=1.0)
+    point = [18.0, 6.0, 10.0]  # 21.4 m away: level 4, cells of 16 m
+    [key] = map(int, grid.keys(np.array([point]), np.array([5]), np.array([300]))[0])
+    parts = [
+        key >> records.constant(name)
+        for name in ("GUIDING_LEVEL_SHIFT", "GUIDING_FACE_SHIFT", "GUIDING_MATERIAL_SHIFT")
+    ]
+    assert (key & (1 << records.constant("GUIDING_INDEX_BITS")) - 1, parts[0] & 31, parts[1] & 7) == (1, 4, 5)
+    assert parts[2] & 0xFFFF == 300
 
 
 def test_a_view_keeps_the_layout():

@@ -67,12 +67,6 @@ GuidingGrid current_grid(float cell_size, float smallest_cell)
     return grid;
 }
 
-// Key: three indices of 13 bits, level 5, face 3, material 16, and the top bit, so that no key is 0.
-const uint INDEX_BITS = 13u;
-const uint LEVEL_SHIFT = 3u * INDEX_BITS;
-const uint FACE_SHIFT = LEVEL_SHIFT + 5u;
-const uint MATERIAL_SHIFT = FACE_SHIFT + 3u;
-
 /// Side of the cells of a level, m.
 float cell_side(GuidingGrid grid, uint level)
 {
@@ -89,32 +83,33 @@ uint cell_level(GuidingGrid grid, vec3 position)
 uint64_t guiding_key(GuidingGrid grid, vec3 position, uint face, uint material)
 {
     uint level = cell_level(grid, position);
-    uvec3 index = uvec3(max((position - grid.origin) / cell_side(grid, level), vec3(0.0))) & ((1u << INDEX_BITS) - 1u);
-    return uint64_t(index.x) | (uint64_t(index.y) << INDEX_BITS) | (uint64_t(index.z) << (2u * INDEX_BITS)) |
-           (uint64_t(level) << LEVEL_SHIFT) | (uint64_t(face) << FACE_SHIFT) | (uint64_t(material & 0xffffu) << MATERIAL_SHIFT) |
-           (1ul << 63u);
+    uint mask = (1u << GUIDING_INDEX_BITS) - 1u;
+    uvec3 index = uvec3(max((position - grid.origin) / cell_side(grid, level), vec3(0.0))) & mask;
+    return uint64_t(index.x) | (uint64_t(index.y) << GUIDING_INDEX_BITS) | (uint64_t(index.z) << (2u * GUIDING_INDEX_BITS)) |
+           (uint64_t(level) << GUIDING_LEVEL_SHIFT) | (uint64_t(face) << GUIDING_FACE_SHIFT) |
+           (uint64_t(material & 0xffffu) << GUIDING_MATERIAL_SHIFT) | (1ul << 63u);
 }
 
 uint key_level(uint64_t key)
 {
-    return uint(key >> LEVEL_SHIFT) & 31u;
+    return uint(key >> GUIDING_LEVEL_SHIFT) & 31u;
 }
 
 uint key_face(uint64_t key)
 {
-    return uint(key >> FACE_SHIFT) & 7u;
+    return uint(key >> GUIDING_FACE_SHIFT) & 7u;
 }
 
 uint key_material(uint64_t key)
 {
-    return uint(key >> MATERIAL_SHIFT) & 0xffffu;
+    return uint(key >> GUIDING_MATERIAL_SHIFT) & 0xffffu;
 }
 
 /// The middle of a key's cell.
 vec3 key_center(GuidingGrid grid, uint64_t key)
 {
-    uint mask = (1u << INDEX_BITS) - 1u;
-    uvec3 index = uvec3(uint(key), uint(key >> INDEX_BITS), uint(key >> (2u * INDEX_BITS))) & mask;
+    uint mask = (1u << GUIDING_INDEX_BITS) - 1u;
+    uvec3 index = uvec3(uint(key), uint(key >> GUIDING_INDEX_BITS), uint(key >> (2u * GUIDING_INDEX_BITS))) & mask;
     return grid.origin + (vec3(index) + 0.5) * cell_side(grid, key_level(key));
 }
 

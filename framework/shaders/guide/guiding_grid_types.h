@@ -19,6 +19,13 @@ RESTIRPG_CONST GUIDING_FRACTION_BITS = 24u;
 /// Most that one sample weighs.
 RESTIRPG_CONST GUIDING_LARGEST_WEIGHT = 65536u;
 
+// A key, from its lowest bits on: three indices, the level (5 bits), the face (3) and the material (16). Its top bit is
+// set, so that no key is 0.
+RESTIRPG_CONST GUIDING_INDEX_BITS = 13u;
+RESTIRPG_CONST GUIDING_LEVEL_SHIFT = 39u;
+RESTIRPG_CONST GUIDING_FACE_SHIFT = 44u;
+RESTIRPG_CONST GUIDING_MATERIAL_SHIFT = 47u;
+
 /// What keys are made from. A cell's side is the power of two times `smallest` below `scale` times its distance from
 /// the camera.
 struct GuidingGrid {
@@ -91,6 +98,8 @@ RESTIRPG_CONST GUIDING_CELL_BYTES = 56u;
 RESTIRPG_CONST GUIDING_MEMORY_BYTES = 88u;
 
 #ifdef __cplusplus
+static_assert(GUIDING_LEVEL_SHIFT == 3 * GUIDING_INDEX_BITS && GUIDING_FACE_SHIFT == GUIDING_LEVEL_SHIFT + 5 &&
+              GUIDING_MATERIAL_SHIFT == GUIDING_FACE_SHIFT + 3);
 static_assert(sizeof(GuidingHeader) <= GUIDING_HEADER_BYTES && sizeof(GuidingSums) == GUIDING_SUMS_BYTES &&
               sizeof(GuidingDistanceSums) == GUIDING_DISTANCE_SUMS_BYTES && sizeof(GuidingCell) == GUIDING_CELL_BYTES &&
               sizeof(GuidingMemory) == GUIDING_MEMORY_BYTES);

@@ -20,7 +20,16 @@ CELL = record("GuidingCell", state=[("age", "<u2"), ("alpha", "<u2")])  # alpha 
 MEMORY = record("GuidingMemory")
 CHAIN_CELL, CHAIN_HEADER = record("ChainCell"), record("ChainHeader")
 
-FINAL, LIGHT_SAMPLED = constant("VERTEX_FINAL"), constant("VERTEX_LIGHT_SAMPLED")  # of `surface`
+# Of a vertex's `position`, whose second word is its upper half.
+POSITION_BITS, POSITION_EXTENT = constant("POSITION_BITS"), constant("POSITION_EXTENT")
+NORMAL_SHIFT, VALID = 32 + constant("VERTEX_FACE_SHIFT"), constant("VERTEX_VALID") << 32
+# Of its `surface`.
+FINAL, LIGHT_SAMPLED = constant("VERTEX_FINAL"), constant("VERTEX_LIGHT_SAMPLED")
+MATERIAL_MASK, LOGARITHM_MASK = constant("VERTEX_MATERIAL_MASK"), (1 << constant("VERTEX_LOGARITHM_BITS")) - 1
+DENSITY_SHIFT, SCATTER_SHIFT = constant("VERTEX_DENSITY_SHIFT"), constant("VERTEX_SCATTER_SHIFT")
+# Of a key.
+INDEX_BITS, LEVEL_SHIFT = constant("GUIDING_INDEX_BITS"), constant("GUIDING_LEVEL_SHIFT")
+FACE_SHIFT, MATERIAL_SHIFT = constant("GUIDING_FACE_SHIFT"), constant("GUIDING_MATERIAL_SHIFT")
 LEARNS_ALPHA = constant("GUIDING_ALPHA")  # of a header's `options`
 LOBES = constant("GUIDING_LOBES")
 
@@ -52,22 +61,26 @@ def read_table(raw, *records):
 
 def is_valid(vertices):
     """Which of VERTEX or SAMPLE records hold a bounce."""
-    return vertices["position"] >> np.uint64(63) != 0
+    return vertices["position"] & np.uint64(VALID) != 0
 
 
 def vertex_face(vertices):
     """Face of the normal, 0 to 5: 2 axis + (1 when negative)."""
-    return (vertices["position"] >> np.uint64(60) & np.uint64(7)).astype(int)
+    return (vertices["position"] >> np.uint64(NORMAL_SHIFT) & np.uint64(7)).astype(int)
+
+
+def _unpack_logarithm(bits):
+    return 2.0 ** (((bits & LOGARITHM_MASK).astype(float) - 64) / 4)
 
 
 def vertex_density(vertices):
     """The BSDF's own density of the direction, 1/sr."""
-    return 2.0 ** (((vertices["surface"] >> 18 & 127).astype(float) - 64) / 4)
+    return _unpack_logarithm(vertices["surface"] >> DENSITY_SHIFT)
 
 
 def vertex_scatter(vertices):
     """Luminance of f |cos|."""
-    return 2.0 ** (((vertices["surface"] >> 25).astype(float) - 64) / 4)
+    return _unpack_logarithm(vertices["surface"] >> SCATTER_SHIFT)
 
 
 def unpack_direction(bits):
@@ -84,7 +97,7 @@ def unpack_direction(bits):
 @dataclass
 class Grid:
     """Keys of a frame: `camera` (3,), `scale`: largest side over distance, `origin` (3,), `smallest` side, m,
-    `radius` of the scene, m: the grid's cube has 4 of it, from `origin` on."""
+    `radius` of the scene, m: the grid's cube has POSITION_EXTENT of it, from `origin` on."""
 
     camera: np.ndarray
     scale: float
@@ -93,10 +106,11 @@ class Grid:
     radius: float
 
     def positions(self, packed):
-        """Points (n, 3) of positions of 3 x 20 bits."""
-        packed = np.asarray(packed, np.uint64)
-        steps = [packed >> np.uint64(20 * axis) & np.uint64(0xFFFFF) for axis in range(3)]
-        return self.origin + (np.stack(steps, -1).astype(float) + 0.5) / 2**20 * 4 * self.radius
+        """Points (n, 3) of positions of 3 x POSITION_BITS."""
+        packed, mask = np.asarray(packed, np.uint64), np.uint64((1 << POSITION_BITS) - 1)
+        steps = [packed >> np.uint64(POSITION_BITS * axis) & mask for axis in range(3)]
+        share = (np.stack(steps, -1).astype(float) + 0.5) / 2**POSITION_BITS
+        return self.origin + share * POSITION_EXTENT * self.radius
 
     def keys(self, points, face, material):
         """Keys (n,) and whether rounding may make the GPU see another cell: within 1e-6 radii of a border, or
@@ -104,9 +118,10 @@ class Grid:
         exact = np.log2(self.scale * np.linalg.norm(points - self.camera, axis=-1) / self.smallest)
         level = np.clip(np.floor(exact), 0, 31).astype(int)
         place = np.maximum((points - self.origin) / self.side(level)[:, None], 0)
-        index = place.astype(np.uint64) & np.uint64(0x1FFF)
-        key = index[:, 0] | index[:, 1] << np.uint64(13) | index[:, 2] << np.uint64(26)
-        for value, shift in ((level, 39), (face, 44), (material & 0xFFFF, 47)):
+        index = place.astype(np.uint64) & np.uint64((1 << INDEX_BITS) - 1)
+        key = index[:, 0] | index[:, 1] << np.uint64(INDEX_BITS) | index[:, 2] << np.uint64(2 * INDEX_BITS)
+        material = material & MATERIAL_MASK
+        for value, shift in ((level, LEVEL_SHIFT), (face, FACE_SHIFT), (material, MATERIAL_SHIFT)):
             key = key | np.asarray(value).astype(np.uint64) << np.uint64(shift)
         near = np.abs(place - np.round(place)) * self.side(level)[:, None] < 1e-6 * self.radius
         return key | np.uint64(1 << 63), near.any(-1) | (np.abs(exact - np.round(exact)) < 1e-5)
@@ -115,20 +130,20 @@ class Grid:
         return self.smallest * 2.0 ** np.asarray(level)
 
     def center(self, key):
-        index = np.array([key >> shift & 0x1FFF for shift in (0, 13, 26)])
+        index = np.array([key >> INDEX_BITS * axis & (1 << INDEX_BITS) - 1 for axis in range(3)])
         return self.origin + (index + 0.5) * self.side(level_of(key))
 
 
 def level_of(key):
-    return key >> 39 & 31
+    return key >> LEVEL_SHIFT & 31
 
 
 def face_of(key):
-    return key >> 44 & 7
+    return key >> FACE_SHIFT & 7
 
 
 def material_of(key):
-    return key >> 47 & 0xFFFF
+    return key >> MATERIAL_SHIFT & MATERIAL_MASK
 
 
 def grid_of(header, smallest_cell):
