@@ -24,7 +24,7 @@ def parse(arguments):
     add("graphs", nargs="+", metavar="GRAPH", help="graph files, with knobs as for scripts/compare.py")
     add("--scene", required=True, help="a .glb or .gltf file")
     add("--size", type=program.size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
-    add("--bounces", type=program.positive, metavar="N", help="bounce cap (the graphs' own)")
+    add("--bounces", type=program.bounces, metavar="N", help="bounce cap (the graphs' own)")
     add("--warm", type=program.positive, default=6, metavar="N", help="frames of each before the first round (6)")
     add("--rounds", type=program.positive, default=20, metavar="N", help="rounds (20)")
     add("--csv", metavar="FILE", help="where the times are written")
@@ -85,6 +85,7 @@ def measure(options):
 def main(arguments):
     """The command line. Returns the exit code."""
     options = parse(arguments)
+    render.find_package()
     with render.refusals():
         return measure(options)
 

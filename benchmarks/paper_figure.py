@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 import restirpg
-from restirpg.harness import files, program
+from restirpg.harness import UserError, files, program, render
 from restirpg.harness.paper import page, pictures
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -51,9 +51,9 @@ def parse(arguments):
         metavar="X,Y",
         help="left upper corner of a crop, two in all",
     )
-    parser.add_argument("--side", type=int, default=216, help="of the crops, in pixels (%(default)s)")
-    parser.add_argument("--bounces", type=int, required=True, help="bounce cap of the reference")
-    parser.add_argument("--frames", type=int, default=256, help="of the reference (%(default)s)")
+    parser.add_argument("--side", type=program.positive, default=216, help="of the crops, in pixels (%(default)s)")
+    parser.add_argument("--bounces", type=program.bounces, required=True, help="bounce cap of the reference")
+    parser.add_argument("--frames", type=program.positive, default=256, help="of the reference (%(default)s)")
     parser.add_argument("--png", default="out/paper_figure.png", help="file to write (%(default)s)")
     return parser.parse_args(arguments)
 
@@ -78,14 +78,32 @@ def render_reference(options, corners, size):
     return image
 
 
+def read_errors(file):
+    """{method: its error} of a tiles.csv."""
+    with open(file, newline="") as stream:
+        rows = {row.get("method"): row for row in csv.DictReader(stream)}
+    if SHOWN not in rows:
+        raise UserError(
+            f"{file}: no row is of {SHOWN}, whose picture is shown; "
+            "name the folder of a scene that scripts/reproduce.py --paper-size has finished"
+        )
+    return {name: f"{100 * float(row['mape']):.1f} ± {100 * float(row['mape_se']):.1f}%" for name, row in rows.items()}
+
+
+def check_crops(corners, side, size):
+    """Raise UserError where a crop reaches beyond the picture."""
+    for x, y in corners:
+        if x + side > size[0] or y + side > size[1]:
+            raise UserError(
+                f"--crop {x},{y}: {side}x{side} pixels from there reach beyond the picture of {size[0]}x{size[1]}; "
+                "choose another corner, or a smaller --side"
+            )
+
+
 def draw(options):
-    """Write the figure."""
+    """Write the figure. Returns the exit code."""
     corners = options.crop
-    with open(options.folder / "tiles.csv", newline="") as stream:
-        error = {
-            row["method"]: f"{100 * float(row['mape']):.1f} ± {100 * float(row['mape_se']):.1f}%"
-            for row in csv.DictReader(stream)
-        }
+    error = read_errors(options.folder / "tiles.csv")
     name = Path(options.scene).stem
     columns = [
         pictures.Picture(
@@ -95,13 +113,26 @@ def draw(options):
         if method in error
     ]
     whole = next(picture for picture in columns if picture.title == NAMES[SHOWN])
-    reference = render_reference(options, corners, whole.image.shape[1::-1])
-    columns.append(pictures.Picture("reference", reference, "MAPE"))
+    size = whole.image.shape[1::-1]
+    check_crops(corners, options.side, size)
+    columns.append(pictures.Picture("reference", render_reference(options, corners, size), "MAPE"))
     figure = pictures.teaser(name, pictures.exposure_of(whole.image), (corners, options.side), whole, columns)
     files.write(options.png, page.Picture("figure", "", figure).png())
     return 0
 
 
+def main(arguments):
+    """The command line. Returns the exit code."""
+    options = parse(arguments)
+
+    def body(_):
+        render.find_package()
+        files.prepare(options.png, [options.scene], "--png")
+        with render.refusals():
+            return draw(options)
+
+    return program.run("paper_figure.py", body)
+
+
 if __name__ == "__main__":
-    arguments = parse(sys.argv[1:])
-    sys.exit(program.run("paper_figure.py", lambda display: draw(arguments)))
+    sys.exit(main(sys.argv[1:]))

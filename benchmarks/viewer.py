@@ -23,7 +23,7 @@ import aiohttp
 import viewer_monkey
 
 import restirpg
-from restirpg.harness import program
+from restirpg.harness import program, render
 
 ROOT = Path(__file__).resolve().parents[1]
 BETWEEN = 5  # frames from one move to the next
@@ -92,8 +92,8 @@ def play(graphs, size, scene, seconds, seed):
     return 1 if faults else 0
 
 
-def main():
-    """Print the table, or what a monkey has found. Returns the exit code."""
+def parse():
+    """The command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scene", required=True)
     parser.add_argument("--graph", action="append")
@@ -101,7 +101,11 @@ def main():
     parser.add_argument("--seconds", type=program.positive, default=20)
     parser.add_argument("--monkey", type=program.positive, metavar="SECONDS")
     parser.add_argument("--seed", type=int, default=1)
-    arguments = parser.parse_args()
+    return parser.parse_args()
+
+
+def look(arguments):
+    """Print the table, or what a monkey has found. Returns the exit code."""
     scene = restirpg.load_scene(arguments.scene)
     graphs = arguments.graph or [str(ROOT / "graphs" / "path_tracer.py"), str(ROOT / "graphs" / "restir_pg.py")]
     if arguments.monkey:
@@ -114,6 +118,18 @@ def main():
         for size in arguments.size or [(320, 180), (640, 360)]:
             print(row(graph, size, scene, arguments.seconds), flush=True)
     return 0
+
+
+def main():
+    """The command line. Returns the exit code."""
+    arguments = parse()
+
+    def body(_):
+        render.find_package()
+        with render.refusals():
+            return look(arguments)
+
+    return program.run("viewer.py", body)
 
 
 if __name__ == "__main__":

@@ -22,8 +22,8 @@ import numpy as np
 from gltf_edits import environment_for_mitsuba, environment_of, make_diffuse, read_glb, write_glb
 from scipy import stats
 
-from restirpg.harness import program
-from restirpg.harness.render import find_package
+from restirpg.harness import UserError, program
+from restirpg.harness.render import find_package, refusals
 from restirpg.harness.statistics import LEVEL, Test, welch
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -47,15 +47,18 @@ class Comparison:
 
     @property
     def corrected_p(self):
-        return min(float(self.p.min()) * self.p.size, 1.0)
+        """NaN where a block could not be tested."""
+        return float(np.minimum(self.p.min() * self.p.size, 1.0))
 
     @property
     def verdict(self):
-        """Are they "equal" or "DIFFERENT"? "undecided": the means' distance is too large, but so is its error."""
+        """Are they "equal" or "DIFFERENT"? "undecided": the means' distance is too large, but so is its error; or there
+        was no test.
+        """
         off = abs(self.ratio - 1)
         if self.corrected_p < LEVEL or off - 3 * self.ratio_se > LARGEST_RATIO_ERROR:
             return "DIFFERENT"
-        return "equal" if off < LARGEST_RATIO_ERROR else "undecided"
+        return "equal" if off < LARGEST_RATIO_ERROR and self.corrected_p >= LEVEL else "undecided"
 
 
 def block_means(runs, block):
@@ -72,9 +75,10 @@ def compare(ours, theirs, block):
     scale = mean_theirs.mean()
     blocks_ours, blocks_theirs = block_means(ours, block), block_means(theirs, block)
     p = stats.ttest_ind(blocks_ours, blocks_theirs, equal_var=False).pvalue
-    p = np.where(np.isnan(p), 1.0, p)  # a block that is black in every run of both
     level = np.maximum(blocks_theirs.mean(axis=0), 1e-3 * scale)
     variance = blocks_ours.var(axis=0, ddof=1) / len(ours) + blocks_theirs.var(axis=0, ddof=1) / len(theirs)
+    same = (variance == 0) & (blocks_ours.mean(axis=0) == blocks_theirs.mean(axis=0))  # as black ones are
+    p = np.where(same, 1.0, p)
     typical = Test(0.0, float(np.median(np.sqrt(variance) / level)), len(ours) + len(theirs) - 2, 1.0)
     return Comparison(
         float(mean_ours.mean() / scale),
@@ -138,7 +142,8 @@ def render_mitsuba(scene_file, environment, folder, options):
     ]
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, env={**os.environ, "PYTHONPATH": ""})
     if done.returncode != 0:
-        sys.exit(f"Mitsuba failed on {scene_file}:\n{done.stderr}")
+        sys.stderr.write(done.stderr)
+        raise UserError(f"{scene_file.name}: Mitsuba failed on it, as it says above")
     return np.load(folder / "runs.npy")
 
 
@@ -256,13 +261,15 @@ def parse_arguments():
     parser.add_argument("--environment", help="r,g,b or an .exr or .hdr file; default: what the scene names")
     parser.add_argument("--backend", help="software or rayquery")
     parser.add_argument("--size", type=program.size, default=(64, 64))
-    parser.add_argument("--block", type=int, default=8, help="edge of a block in pixels; divides the size")
-    parser.add_argument("--bounces", type=int, default=8)
-    parser.add_argument("--seed", type=int, default=1, help="another one repeats a test on fresh numbers")
-    parser.add_argument("--runs", type=int, default=64)
-    parser.add_argument("--frames", type=int, default=16, help="samples a pixel of each of our runs")
-    parser.add_argument("--mitsuba-runs", type=int, default=64)
-    parser.add_argument("--samples", type=int, default=16, help="samples a pixel of each of Mitsuba's runs")
+    parser.add_argument("--block", type=program.positive, default=8, help="edge of a block in pixels; divides the size")
+    parser.add_argument("--bounces", type=program.bounces, default=8)
+    parser.add_argument("--seed", type=program.whole(0), default=1, help="another one repeats a test on fresh numbers")
+    parser.add_argument("--runs", type=program.whole(2), default=64)
+    parser.add_argument("--frames", type=program.positive, default=16, help="samples a pixel of each of our runs")
+    parser.add_argument("--mitsuba-runs", type=program.whole(2), default=64)
+    parser.add_argument(
+        "--samples", type=program.positive, default=16, help="samples a pixel of each of Mitsuba's runs"
+    )
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "mitsuba", help="folder of pictures of failures")
     options = parser.parse_args()
     if any(edge % options.block for edge in options.size):
@@ -271,11 +278,18 @@ def parse_arguments():
 
 
 def main():
-    """Compare every scene; 0 when all are equal."""
+    """Compare every scene. Returns the exit code: 0 when all are equal."""
     options = parse_arguments()
-    find_package()
-    print(HEADER)
-    return 0 if all([run_scene(path, options) for path in options.scenes]) else 1  # noqa: C419  (every one is run)
+
+    def body(_):
+        find_package()
+        for path in options.scenes:
+            read_glb(path)  # what is no scene is told before anything long starts
+        print(HEADER)
+        with refusals():
+            return 0 if all([run_scene(path, options) for path in options.scenes]) else 1  # noqa: C419  (every one is run)
+
+    return program.run("compare_with_mitsuba.py", body)
 
 
 if __name__ == "__main__":

@@ -29,7 +29,8 @@ import numpy as np
 from gltf_edits import environment_of, read_glb
 
 import restirpg
-from restirpg.harness.render import code_version, find_package
+from restirpg.harness import UserError, program
+from restirpg.harness.render import code_version, find_package, refusals
 from restirpg.harness.statistics import luminance, mape_scale
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -44,15 +45,16 @@ def render(method, scene, samples, seed, out, options):
         command = [options.mitsuba_python, options.converter, scene, out, "--spp", samples]
         command += ["--depth", options.bounces + 2, "--res", options.size, "--seed", seed]
     else:
-        program = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build")) / "bin" / "restirpg"
-        command = [program, "render", ROOT / "graphs" / f"{method}.py", "--scene", scene, "--size", options.size]
+        renderer = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build")) / "bin" / "restirpg"
+        command = [renderer, "render", ROOT / "graphs" / f"{method}.py", "--scene", scene, "--size", options.size]
         command += ["--bounces", options.bounces, "--frames", samples, "--seed", seed, "-o", out]
         command += ["--output", "image", "--set", "gbuffer.jitter=true"]
     start = time.monotonic()
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, env={**os.environ, "PYTHONPATH": ""})
     seconds = time.monotonic() - start
     if done.returncode != 0:
-        sys.exit(f"{method} failed on {scene}:\n{done.stderr}")
+        sys.stderr.write(done.stderr)
+        raise UserError(f"{scene}: {method} failed on it, as it says above")
     return seconds
 
 
@@ -70,7 +72,9 @@ def read_image(file):
 def measure(scene, options):
     """Append the rows of one scene."""
     if environment_of(read_glb(scene)[0]):
-        sys.exit(f"error_over_time.py: {scene}: has an environment, which the converter would have to be given")
+        raise UserError(
+            f"{scene}: it has an environment, which the converter would have to be given; give another scene"
+        )
     options.references.mkdir(parents=True, exist_ok=True)
     references = {}
     for method in (MITSUBA, PATH_TRACER):
@@ -142,11 +146,11 @@ def parse_arguments():
     parser.add_argument("--csv", type=Path, required=True)
     parser.add_argument("--methods", nargs="+", default=[MITSUBA, PATH_TRACER, "restir_pg"])
     parser.add_argument("--size", default="160x90")
-    parser.add_argument("--bounces", type=int, default=4)
-    parser.add_argument("--samples", type=int, nargs="+", default=[4, 16, 64, 256])
-    parser.add_argument("--seeds", type=int, default=2)
+    parser.add_argument("--bounces", type=program.bounces, default=4)
+    parser.add_argument("--samples", type=program.positive, nargs="+", default=[4, 16, 64, 256])
+    parser.add_argument("--seeds", type=program.positive, default=2)
     parser.add_argument("--references", type=Path, default=Path("out/mitsuba_references"))
-    parser.add_argument("--reference-samples", type=int, default=2048)
+    parser.add_argument("--reference-samples", type=program.positive, default=2048)
     options = parser.parse_args()
     if options.scenes and not options.mitsuba_python:
         parser.error("--mitsuba-python is needed to render")
@@ -154,13 +158,19 @@ def parse_arguments():
 
 
 def main():
-    """Measure, then print what is in the CSV file."""
-    find_package()
+    """Measure, then print what is in the CSV file. Returns the exit code."""
     options = parse_arguments()
-    for scene in options.scenes:
-        measure(scene, options)
-    print_tables(options.csv)
+
+    def body(_):
+        find_package()
+        with refusals():
+            for scene in options.scenes:
+                measure(scene, options)
+        print_tables(options.csv)
+        return 0
+
+    return program.run("error_over_time.py", body)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -9,8 +9,11 @@ import numpy as np
 def read_glb(path):
     """The JSON document (dict) and binary chunk (bytes) of a .glb file."""
     data = path.read_bytes()
-    (length,) = struct.unpack_from("<I", data, 12)
-    document = json.loads(data[20 : 20 + length])
+    try:
+        (length,) = struct.unpack_from("<I", data, 12)
+        document = json.loads(data[20 : 20 + length])
+    except (struct.error, ValueError):
+        raise OSError(f"{path}: no .glb file; give one, or pack the .gltf into one") from None
     return document, data[20 + length + 8 :]
 
 

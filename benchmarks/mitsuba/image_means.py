@@ -14,6 +14,7 @@ sample implementation, from which the renderer deviates (head of bsdf_model.glsl
 
 import argparse
 import csv
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -22,7 +23,7 @@ import numpy as np
 from compare_with_mitsuba import ROOT, prepare, render_mitsuba, render_ours
 
 from restirpg.harness import program
-from restirpg.harness.render import find_package
+from restirpg.harness.render import find_package, refusals
 
 COLUMNS = ("scene", "renderer", "seed", "width", "height", "bounces", "samples", "r", "g", "b", "seconds")
 HEADER = (
@@ -141,10 +142,10 @@ def parse_arguments():
     parser.add_argument("--environment", help="r,g,b or an .exr or .hdr file; default: what the scene names")
     parser.add_argument("--backend", help="software or rayquery")
     parser.add_argument("--seeds", type=seeds, default=range(1, 9))
-    parser.add_argument("--frames", type=int, default=256, help="samples a pixel of a run of ours")
-    parser.add_argument("--samples", type=int, default=256, help="of Mitsuba's")
+    parser.add_argument("--frames", type=program.positive, default=256, help="samples a pixel of a run of ours")
+    parser.add_argument("--samples", type=program.positive, default=256, help="of Mitsuba's")
     parser.add_argument("--size", type=program.size, default=(64, 36))
-    parser.add_argument("--bounces", type=int, default=4)
+    parser.add_argument("--bounces", type=program.bounces, default=4)
     options = parser.parse_args()
     options.runs = options.mitsuba_runs = 1
     options.materials = "gltf"
@@ -153,17 +154,28 @@ def parse_arguments():
     return options
 
 
-def main():
-    """Render what is asked for, then print the table of all runs in the file."""
-    options = parse_arguments()
-    find_package()
+def measure(options):
+    """Render what is asked for, then print the table of all runs in the file. Returns the exit code."""
     for path in options.scenes:
         for renderer in (options.only,) if options.only else ("ours", "mitsuba"):
             for seed in options.seeds:
                 if not is_finished(path, renderer, seed, options):
                     run_seed(path, renderer, seed, options)
     print_table(read_rows(options.csv))
+    return 0
+
+
+def main():
+    """The command line. Returns the exit code."""
+    options = parse_arguments()
+
+    def body(_):
+        find_package()
+        with refusals():
+            return measure(options)
+
+    return program.run("image_means.py", body)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -4,6 +4,7 @@ import csv
 import subprocess
 import sys
 
+import frame_costs
 from renderer_scenes import ROOT, scene_file  # noqa: F401
 
 TRACER = ROOT / "graphs/path_tracer.py"
@@ -30,6 +31,10 @@ def test_methods_render_in_turn_and_every_pass_is_written(scene_file, tmp_path):
         (method, number, name) for method in ("path_tracer", "short") for number in "01" for name in passes
     }
     assert all(float(row["gpu_ms"]) > 0 for row in rows)
+
+
+def test_a_bounce_cap_of_none_is_a_cap():
+    assert frame_costs.parse([str(TRACER), "--scene", "room.glb", "--bounces", "0"]).bounces == 0
 
 
 def test_a_knob_that_is_not_there_is_one_line(scene_file):

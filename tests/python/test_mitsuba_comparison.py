@@ -1,6 +1,7 @@
 """The comparison with Mitsuba on runs whose truth is known; Mitsuba itself is not needed."""
 
 import numpy as np
+import pytest
 from compare_with_mitsuba import compare, decode_rgbe
 from gltf_edits import environment_for_mitsuba
 
@@ -28,6 +29,25 @@ def test_a_mean_off_by_one_per_cent_is_different_and_one_under_noise_undecided()
     offsets += 0.004 - (offsets[0].mean() - offsets[1].mean()) * np.array([1, 0]).reshape(2, 1, 1, 1, 1)
     offsets[1] -= 0.004
     assert compare(image + offsets[0], image + offsets[1], 16).verdict == "undecided"
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # of variances
+def test_without_a_test_nothing_is_called_equal():
+    image = np.ones((16, 16, 3))
+    one = compare(image[None], image[None], 8)
+    assert np.isnan(one.corrected_p) and one.verdict == "undecided"
+    broken = noisy_runs(image, 2)
+    broken[0, 3, 3] = np.nan
+    assert compare(broken, noisy_runs(image, 3), 8).verdict == "undecided"
+
+
+def test_a_block_that_is_black_in_every_run_is_equal_and_one_that_is_lit_in_one_renderer_alone_is_not():
+    image = np.ones((16, 16, 3))
+    image[:8, :8] = 0
+    result = compare(noisy_runs(image, 2), noisy_runs(image, 3), 8)
+    assert result.verdict == "equal" and (result.p[0, 0] == 1).all()
+    lit = image + 1e-3 * (image == 0)
+    assert compare(noisy_runs(image, 2), noisy_runs(lit, 3), 8).verdict == "DIFFERENT"
 
 
 def test_environments_survive_their_file_and_keep_their_function_for_mitsuba():

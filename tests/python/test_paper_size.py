@@ -6,7 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+import restirpg
 
 ROOT = Path(__file__).parents[2]
 COLUMNS = ("scene", "method", "tiles", "frames", "mape", "mape_se", "mape_reference_se", "change", "change_se",
@@ -56,7 +59,12 @@ def test_the_table_says_plainly_who_errs_least(recorded, tmp_path):
 
 
 def test_what_it_cannot_do_is_said_in_a_line(tmp_path):
-    for arguments, words in (((), "no scene given"), (("--collect", tmp_path), "no scene is finished there")):
+    twice = ("room.glb@64x64", "room.glb@32x32")
+    for arguments, words in (
+        ((), "no scene given"),
+        (("--collect", tmp_path), "no scene is finished there"),
+        ((*twice, "--out", tmp_path), "two scenes would be called 'room'"),
+    ):
         done = run(*arguments)
         assert done.returncode == 2 and words in done.stderr and done.stderr.count("\n") == 1
 
@@ -68,3 +76,28 @@ def test_the_hours_of_each_scene_are_told():
     (room, low, high), (hall, small, _) = (line.match(text).groups() for text in done.stdout.splitlines())
     assert (room, hall) == ("veach_ajar", "hall")
     assert 2 < float(low) / float(small) < 4 and 0.3 < float(low) < float(high) < 3
+
+
+def figure(recorded, *arguments, crop="4,4"):
+    """benchmarks/paper_figure.py, run to its end."""
+    command = [sys.executable, ROOT / "benchmarks/paper_figure.py", recorded / "room", "--crop", "0,0", "--crop", crop]
+    command += ["--scene", "room.glb", "--side", 4, "--bounces", 0, "--png", recorded / "figure.png", *arguments]
+    return subprocess.run(list(map(str, command)), capture_output=True, text=True)
+
+
+def test_a_figure_that_cannot_be_drawn_is_one_line(recorded):
+    images = recorded / "room/images"
+    images.mkdir()
+    for method in ROWS:
+        restirpg.write_exr(images / f"room.{method}.whole.exr", {"": np.ones((9, 16, 3), np.float32)})
+    beyond = figure(recorded, crop="4,6")
+    assert "--crop 4,6: 4x4 pixels from there reach beyond the picture of 16x9" in beyond.stderr
+    scene = figure(recorded)
+    assert "room.glb" in scene.stderr
+    table = recorded / "room/tiles.csv"
+    table.write_text(table.read_text().replace("restir_pg,", "other,"))
+    other = figure(recorded)
+    assert "tiles.csv: no row is of restir_pg" in other.stderr
+    table.unlink()
+    for done in (beyond, scene, other, figure(recorded)):
+        assert done.returncode == 2 and done.stderr.count("\n") == 1, done.stderr

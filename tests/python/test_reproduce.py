@@ -5,6 +5,7 @@ together is tested, not its numbers. Those are tested in test_reproduced_section
 """
 
 import csv
+import json
 import shutil
 import subprocess
 import sys
@@ -18,7 +19,8 @@ import pytest
 from renderer_scenes import ROOT, write_flying_panel, write_outside
 from webdriver import Browser
 
-from restirpg.harness import UserError
+import restirpg
+from restirpg.harness import UserError, guide_maps, see_guide
 from restirpg.harness import reproduce as program
 from restirpg.harness.paper import (
     ablation,
@@ -26,7 +28,7 @@ from restirpg.harness.paper import (
     figure_4,
 )  # fmt: skip
 from restirpg.harness.paper.paper import METHODS, QUICK, Paper, Study
-from restirpg.harness.render import load_scene
+from restirpg.harness.render import describe_graph, load_scene
 from restirpg.harness.scenes import facts
 from restirpg.harness.workers import Pool
 
@@ -160,7 +162,7 @@ def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, arguments, words):
     assert len(lines) == 1 and words in lines[0], run.stderr
 
 
-@pytest.mark.parametrize("arguments, cap", [([], 4), (["--bounces", "2"], 2)])
+@pytest.mark.parametrize("arguments, cap", [([], 4), (["--bounces", "2"], 2), (["--bounces", "0"], 0)])
 def test_a_bounce_cap_takes_the_place_of_the_scene_s(tmp_path, arguments, cap):
     options = program.parse(["figure", "5", "--scenes", "door_ajar", *arguments])
     with Pool(tmp_path, 1) as pool:
@@ -203,6 +205,29 @@ def test_the_guide_is_seen_in_a_scene_that_reads_outside_of_its_folder_where_tha
     for arguments, words in (([], "lies outside of the scene's folder"), (["--allow-outside"], "none.py")):
         run = subprocess.run([*command, *arguments], capture_output=True, text=True)
         assert run.returncode == 2 and len(run.stderr.splitlines()) == 1 and words in run.stderr, run.stderr
+
+
+def test_the_product_at_a_point_has_the_bounces_of_the_paths_that_taught_the_guide(tmp_path, monkeypatch):
+    scene, graph = write_flying_panel(tmp_path / "panel.gltf"), tmp_path / "graph.json"
+    description = describe_graph(ROOT / "graphs/restir_pg.py")
+    [paths] = [entry for entry in description["passes"] if entry["name"] == "paths"]
+    paths["knobs"]["bounces"] = 3
+    graph.write_text(json.dumps(description))
+    seen = []
+
+    def products(points, scene, bounces):
+        seen.append(bounces)
+        raise UserError("seen")
+
+    honest = guide_maps.products_at
+    monkeypatch.setattr(guide_maps.Learner, "run", lambda *_: ([], [], []))
+    monkeypatch.setattr(guide_maps, "products_at", products)
+    names = ["--scene", scene, "--graph", graph, "--pixel", 0, 0, "-o", tmp_path / "guide.png"]
+    assert see_guide.main([*map(str, names)]) == 2
+    with pytest.raises(UserError):
+        figure_4.products(restirpg.load_scene(scene), json.dumps(description), (16, 9), 0, [])
+    assert seen == [3, 0]
+    assert not np.any(honest([None], None, 0))
 
 
 def test_an_embedded_scene_is_not_written_over_one_that_is_named(tmp_path):

@@ -81,6 +81,11 @@ class Learner:
         if raw:
             self._renderer.set(f"{names.paths}.alpha", 1.0)
 
+    @property
+    def bounces(self):
+        """The bounce cap of its paths: what was asked for, the scene's or the graph's own."""
+        return self._renderer.get(f"{self._names.paths}.bounces")
+
     def run(self, frames, seed=1):
         """The points, and for each a list of (directions (n, 3), weights (n,)) a frame and its last fitted
         mixture, or None."""
@@ -150,7 +155,9 @@ def _next_surface(depth, x, y):
 
 
 def products_at(points, scene, bounces):
-    """L_i cos of each point in each bin, normalised, (ROWS, COLUMNS)."""
+    """L_i cos of each point in each bin, normalised, (ROWS, COLUMNS). bounces: the cap of the paths from the eye."""
+    if bounces == 0:  # they end at the points
+        return [np.zeros((ROWS, COLUMNS)) for _ in points]
     g = restirpg.Graph("What a point sees")
     gbuffer = g.add("gbuffer", "GBuffer", jitter=True)
     paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, direct=True)

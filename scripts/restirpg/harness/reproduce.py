@@ -50,7 +50,7 @@ def parse(arguments):
     add("--reference-frames", type=program.positive, metavar="N", help="frames of each reference, over all its batches")
     add("--reference-batches", type=program.positive, metavar="R", help="independent batches of each reference (16)")
     add("--reference-graph", metavar="GRAPH", help="the graph that renders the references (graphs/path_tracer.py)")
-    add("--bounces", type=program.positive, metavar="N", help="bounce cap (default: each scene's, or the graphs' own)")
+    add("--bounces", type=program.bounces, metavar="N", help="bounce cap (default: each scene's, or the graphs' own)")
     program.add_runner(parser, "out/reproduce")
     return commands.parsed(parser, arguments)
 

@@ -72,7 +72,7 @@ def see(arguments):
     )
     points, samples, mixtures = learner.run(arguments.frames)
     lines, maps, random = [], [], np.random.default_rng(1)
-    products = guide_maps.products_at(points, scene, scene.bounce_cap or 8)
+    products = guide_maps.products_at(points, scene, learner.bounces)
     for pixel, point, product, mine, mixture in zip(arguments.pixel, points, products, samples, mixtures):
         for frames, count, effective, histogram in guide_maps.histograms(mine, point):
             row = (frames, count, effective, *guide_maps.score(histogram, effective, product, random))

@@ -50,8 +50,9 @@ def products(scene, description, size, bounces, pixels):
     """`products` (pixels, rows, columns)."""
     from restirpg.harness import guide_maps
 
-    points = guide_maps.Learner(scene, json.loads(description), pixels, size, strict=False).run(1)[0]
-    return {"products": np.array(guide_maps.products_at(points, scene, bounces or 8)), "meta": {}}
+    learner = guide_maps.Learner(scene, json.loads(description), pixels, size, bounces, strict=False)
+    points = learner.run(1)[0]
+    return {"products": np.array(guide_maps.products_at(points, scene, learner.bounces)), "meta": {}}
 
 
 def calls(paper, scene):

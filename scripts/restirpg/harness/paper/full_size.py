@@ -64,6 +64,17 @@ def parse(arguments):
     return parser.parse_known_args(arguments)
 
 
+def refuse_one_folder_for_two(scenes):
+    """Raise UserError where two scenes' reports would lie in one folder."""
+    names = [Path(scene).stem for scene, _ in scenes]
+    for name in names:
+        if names.count(name) > 1:
+            raise UserError(
+                f"two scenes would be called '{name}', whose reports lie in one folder; "
+                "ask for them one after the other, each with an --out of its own"
+            )
+
+
 def record(options, further):
     """Compare on each scene; returns the largest exit code, at once where a mistake or a signal ended one."""
     worst = 0
@@ -185,7 +196,10 @@ def main(arguments):
             return collect(options.collect, options.results or options.collect)
         if not options.scenes:
             raise UserError("no scene given; name one or more, as in scripts/reproduce.py --paper-size veach_ajar.glb")
-        return print_list(options.scenes) if options.list else 0
+        if options.list:
+            return print_list(options.scenes)
+        refuse_one_folder_for_two(options.scenes)
+        return 0
 
     code = program.run("reproduce.py", body)
     return code if code or options.collect or options.list else record(options, further)

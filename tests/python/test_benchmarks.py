@@ -1,0 +1,49 @@
+"""The programs of benchmarks/: a mistake is one line and exit code 2."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from renderer_scenes import ROOT
+
+#: Programs, and arguments that name a scene which is not there.
+PROGRAMS = {
+    "viewer.py": ["--scene", "absent.glb"],
+    "frame_costs.py": [ROOT / "graphs/path_tracer.py", "--scene", "absent.glb"],
+    "guide_sweep.py": ["absent.glb", ROOT / "graphs/restir_pt.py"],
+    "mitsuba/compare_with_mitsuba.py": ["absent.glb", "--mitsuba-python", "python3"],
+    "mitsuba/error_over_time.py": ["absent.glb", "--mitsuba-python", "python3", "--csv", "times.csv"],
+    "mitsuba/image_means.py": ["absent.glb", "--only", "ours", "--csv", "means.csv"],
+}
+
+
+def run(folder, name, *arguments, **environment):
+    command = [sys.executable, ROOT / "benchmarks" / name, *map(str, arguments)]
+    return subprocess.run(command, cwd=folder, env={**os.environ, **environment}, capture_output=True, text=True)
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_missing_scene_is_one_line(tmp_path, name):
+    done = run(tmp_path, name, *PROGRAMS[name])
+    assert done.returncode == 2 and "absent.glb" in done.stderr and done.stderr.count("\n") == 1, done.stderr
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_an_unbuilt_package_is_one_line(tmp_path, name):
+    done = run(tmp_path, name, *PROGRAMS[name], PYTHONPATH=f"{ROOT}/scripts", RESTIRPG_BUILD=str(tmp_path))
+    assert done.returncode == 2 and "build it with scripts/run" in done.stderr, done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("name", ["mitsuba/compare_with_mitsuba.py", "mitsuba/error_over_time.py"])
+def test_a_file_that_is_no_glb_is_one_line(tmp_path, name):
+    (tmp_path / "absent.glb").write_text('{"asset": {"version": "2.0"}}')
+    done = run(tmp_path, name, *PROGRAMS[name])
+    assert done.returncode == 2 and "absent.glb: no .glb file" in done.stderr and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("option", ["--runs", "--mitsuba-runs"])
+def test_one_run_of_a_renderer_cannot_be_tested(tmp_path, option):
+    done = run(tmp_path, "mitsuba/compare_with_mitsuba.py", *PROGRAMS["mitsuba/compare_with_mitsuba.py"], option, 1)
+    assert done.returncode == 2 and "'1' is not a whole number of at least 2" in done.stderr
