@@ -15,8 +15,16 @@ namespace {
 /// A camera node's world matrix for a pose.
 glm::mat4 lookMatrix(const CameraPose& pose)
 {
+    for (const auto& [name, v] :
+         {std::pair("position", pose.position), std::pair("target", pose.target), std::pair("up", pose.up)})
+        if (!glm::all(glm::lessThan(glm::abs(v), glm::vec3(LARGEST_ENTRY))))
+            failAs<WrongValue>("the camera's {} ({}, {}, {}) is not finite, or reaches {}; bring it nearer to 0", name,
+                               v.x, v.y, v.z, LARGEST_ENTRY);
     const glm::vec3 back = pose.position - pose.target;
     const glm::vec3 right = glm::cross(pose.up, back);
+    if (!std::isfinite(glm::length(right)))
+        failAs<WrongValue>("the camera's up direction ({}, {}, {}) is too long; give it a length of 1", pose.up.x,
+                           pose.up.y, pose.up.z);
     if (!(glm::length(back) > 0) || !(glm::length(right) > 0))
         failAs<WrongValue>("the camera's target and up direction do not span a view; move the target away from the "
                            "position and up out of line");
@@ -208,8 +216,9 @@ std::vector<std::pair<std::string, CameraPose>> Renderer::sceneCameras() const
 
 void Renderer::moveCamera(const CameraPose& pose)
 {
-    if (!(pose.yfov > 0 && pose.yfov < 3.14f))
-        failAs<WrongValue>("a vertical field of view of {} radians is no pinhole camera; use 0 to 3.14", pose.yfov);
+    if (!(pose.yfov > 0 && pose.yfov < LARGEST_YFOV))
+        failAs<WrongValue>("a vertical field of view of {} radians is no pinhole camera; give one between 0 and {}",
+                           pose.yfov, LARGEST_YFOV);
     lookMatrix(pose);  // refuses poses that span no view
     cameraOverride_ = pose;
 }
@@ -237,9 +246,11 @@ void Renderer::moveNode(size_t node, const glm::mat4& local)
                            overrides_.size());
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row)
-            if (!std::isfinite(local[column][row]))
-                failAs<WrongValue>("node {} '{}' cannot be moved by a matrix with NaN or infinity", node,
-                                   scene_->nodes[node].name);
+            if (!(std::abs(local[column][row]) < LARGEST_ENTRY))
+                failAs<WrongValue>("{}: node {} '{}' cannot be moved by a matrix with {}; its entries are numbers "
+                                   "below {}",
+                                   scene_->file.string(), node, scene_->nodes[node].name, local[column][row],
+                                   LARGEST_ENTRY);
     overrides_[node] = local;
 }
 

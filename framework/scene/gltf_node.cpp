@@ -84,7 +84,7 @@ private:
                 continue;
             }
             const float yfov = float(camera.perspective.yfov);
-            if (!(yfov > 0 && yfov < 3.14159f))
+            if (!(yfov > 0 && yfov < LARGEST_YFOV))
                 fail("{}: {}: yfov {} must lie between 0 and pi; set it anew", file_.name(),
                      label("camera", size_t(node.camera), camera.name), yfov);
             scene_.cameras.push_back({camera.name.empty() ? node.name : camera.name, sceneNode_[i], yfov});

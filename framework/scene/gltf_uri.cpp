@@ -137,11 +137,11 @@ std::vector<uint8_t> readBytes(const fs::path& path)
     if (!fs::exists(path, error))
         failAs<MissingFile>("{}: no such file; check the path", path.string());
     if (!fs::is_regular_file(path, error))
-        fail("{}: not a file; name a .gltf or .glb file", path.string());
+        fail("{}: not a file; name one", path.string());
     const auto size = fs::file_size(path, error);
     if (error || size > 0xffffffffu)
-        fail("{}: larger than 4 GiB, which a glTF file cannot be; split it", path.string());
-    checkMemory(path.string(), "reading it", size, "simplify the scene");
+        fail("{}: larger than 4 GiB; give a smaller file", path.string());
+    checkMemory(path.string(), "reading it", size, "give a smaller file");
     std::vector<uint8_t> bytes(size);
     std::ifstream stream(path, std::ios::binary);
     if (!stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size)))

@@ -72,9 +72,6 @@ glm::vec4 valueAt(const AnimationChannel& channel, float time)
 constexpr float THINNEST = 1e-5f;
 constexpr float SMALLEST = 1e-9f;
 
-/// Entries of a node's matrix beyond this are beyond float's squares.
-constexpr float LARGEST = 1e15f;
-
 /// The longest of three vectors.
 glm::vec3 longest(glm::vec3 a, glm::vec3 b, glm::vec3 c)
 {
@@ -211,9 +208,10 @@ std::vector<glm::mat4> poseNodes(const Scene& scene, float time, const std::vect
         world[i][3] -= glm::dvec4(scene.origin, 0);
         pose[i] = glm::mat4(world[i]);
         for (int column = 0; column < 4; ++column)
-            if (!glm::all(glm::lessThan(glm::abs(pose[i][column]), glm::vec4(LARGEST))))
-                fail("{}: node {} '{}': its matrix exceeds {} at {} s; mend its animation", scene.file.string(), i,
-                     nodes[i].name, LARGEST, time);
+            if (!glm::all(glm::lessThan(glm::abs(pose[i][column]), glm::vec4(LARGEST_ENTRY))))
+                fail("{}: node {} '{}': its matrix reaches {} at {} s; make its transform smaller, or that of a node "
+                     "above it",
+                     scene.file.string(), i, nodes[i].name, LARGEST_ENTRY, time);
         pose[i] = invertible(pose[i]);
     }
     return pose;

@@ -14,6 +14,11 @@
 
 namespace restirpg {
 
+/// Entries of a node's matrix, and coordinates of a camera's pose, from this on are beyond float's squares.
+constexpr float LARGEST_ENTRY = 1e15f;
+/// Fields of view are smaller, radians: pi leaves no picture.
+constexpr float LARGEST_YFOV = 3.14159f;
+
 /// An image in memory. Exactly one of the two pixel arrays is filled. Rows from the top.
 struct Texture {
     enum class Wrap { repeat, mirroredRepeat, clampToEdge };

@@ -260,6 +260,10 @@ TEST(Animation, KeysThatOverflowAreAnErrorWhereTheyDo)
          {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}}};
     const auto scene = load(builder);
     EXPECT_NE(errorOf([&] { poseNodes(scene, 0.5f); }).find("node 0"), std::string::npos);
+    const std::vector<std::optional<glm::mat4>> moved = {glm::scale(glm::mat4(1), glm::vec3(1e15f))};
+    const auto message = errorOf([&] { poseNodes(scene, 0, moved); });
+    EXPECT_NE(message.find("node 0 '': its matrix reaches"), std::string::npos) << message;
+    EXPECT_EQ(message.find("animation"), std::string::npos) << message;
     EXPECT_EQ(poseNodes(scene, NAN).size(), scene.nodes.size()) << "as at time 0";
 }
 
@@ -346,6 +350,16 @@ TEST(Environments, AFileIsReadAndHashed)
     sky.data[1] = 2;
     writeExr(scratch() / "sky.exr", {{"", sky}}, PixelType::full);
     EXPECT_NE(load(builder).hash, scene.hash);
+}
+
+TEST(Environments, AFileOfMoreThanFourGibibytesIsRefusedAsWhatItIs)
+{
+    auto builder = squareScene();
+    builder.json["asset"]["extras"]["restirpg"] = {{"environment", "sky.exr"}};
+    writeExr(scratch() / "sky.exr", {{"", {4, 2, 3, std::vector<float>(24, 1.0f)}}}, PixelType::full);
+    std::filesystem::resize_file(scratch() / "sky.exr", uint64_t(5) << 30);  // sparse
+    EXPECT_EQ(errorOf(builder), (scratch() / "sky.exr").string() + ": larger than 4 GiB; give a smaller file");
+    std::filesystem::remove(scratch() / "sky.exr");
 }
 
 TEST(Environments, TextIsAConstantOrAnError)
