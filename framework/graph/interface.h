@@ -60,7 +60,7 @@ struct In {
     /// Of the output wired to it, bytes per pixel of the image as its maker's knobs are now; set with the graph, before
     /// Pass::check.
     std::function<uint64_t()> pixelBytes = [] { return uint64_t(0); };
-    /// A delayed input without history (first frame, after a resize or a cut): its buffer is zeroed
+    /// A delayed input without history (first frame, after a start or a cut): its buffer is zeroed
     bool empty = false;
     explicit operator bool() const { return wired; }
     const Resource* operator->() const { return resource; }

@@ -20,7 +20,7 @@ public:
     uint32_t width() const { return width_; }  ///< pixels
     uint32_t height() const { return height_; }
     uint32_t index() const { return index_; }  ///< frames since the last cut
-    bool reset() const { return reset_; }  ///< first frame after a start, a resize or a cut: delayed inputs are zeroed
+    bool reset() const { return reset_; }  ///< first frame after a start or a cut: delayed inputs are zeroed
     uint64_t constants() const { return constants_; }  ///< device address of this frame's FrameConstants
 
     /// Run `kernel` over width x height x depth invocations (rounded up to whole groups: kernels test their bounds).

@@ -109,7 +109,12 @@ FrameConstants Renderer::constants() const
         toWorld[3] -= glm::vec4(scene_->origin, 0);
     }
     constants.camera = makeCamera(camera, toWorld, aspect);
-    constants.previousCamera = previousCamera_.value_or(constants.camera);
+    constants.previousCamera = constants.camera;
+    if (previous_) {
+        constants.previousCamera = previous_->camera;
+        constants.rescaled =
+            previous_->scene.center != constants.scene.center || previous_->scene.radius != constants.scene.radius;
+    }
     const Window seen = window();
     constants.size = {seen.width, seen.height};
     constants.corner = {seen.x, seen.y};
@@ -122,12 +127,15 @@ FrameConstants Renderer::constants() const
 void Renderer::render(uint32_t frames)
 {
     for (uint32_t i = 0; i < frames; ++i) {
-        if (frame() == 0)
-            setTime(time());  // the run begins here
-        sceneGpu_->update(poseNodes(*scene_, time(), overrides_));
+        const bool begins = frame() == 0;
+        if (begins) {
+            setTime(time());
+            previous_.reset();
+        }
+        sceneGpu_->update(poseNodes(*scene_, time(), overrides_), begins);
         const FrameConstants current = constants();
         executor_->run(current, sceneGpu_->bindings());
-        previousCamera_ = current.camera;
+        previous_ = current;
         ++framesSinceStart_;
     }
 }
@@ -278,7 +286,6 @@ void Renderer::moveWindow(uint32_t x, uint32_t y)
 
 void Renderer::cut()
 {
-    previousCamera_.reset();
     executor_->cut();
 }
 

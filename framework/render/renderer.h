@@ -141,7 +141,7 @@ private:
     std::map<std::string, nlohmann::json> turned_;  ///< what setKnob was given
     std::vector<std::optional<glm::mat4>> overrides_;
     std::optional<CameraPose> cameraOverride_;
-    std::optional<Camera> previousCamera_;
+    std::optional<FrameConstants> previous_;  ///< of the frame before, in the same run
     float start_ = 0;  ///< s, time of the first frame since the last cut or setTime
     uint32_t framesSinceStart_ = 0;
 };

@@ -99,7 +99,6 @@ void Renderer::reload(std::unique_ptr<Graph> graph)
     }
     executor_ =
         std::make_unique<Executor>(*device_, std::move(graph), window().width, window().height, options_.compiling);
-    previousCamera_.reset();
 }
 
 }  // namespace restirpg

@@ -223,12 +223,12 @@ SceneGpu::Sphere SceneGpu::boundingSphere() const
 }
 
 /// What kernels measure cells and distances by has to stand still while nodes move: keys of cells and stored paths
-/// depend on it. It follows only when the scene has left it, or has shrunk in it.
-void SceneGpu::followScene(const Sphere& sphere)
+/// depend on it. It follows only when the scene has left it, or has shrunk in it; a run begins with the scene's own.
+void SceneGpu::followScene(const Sphere& sphere, bool begins)
 {
     constexpr float LARGER = 0.5f * POSITION_EXTENT, SMALLER = 0.25f;
     const bool outgrown = glm::distance(sphere.center, table_.center) + sphere.radius > LARGER * table_.radius;
-    if (outgrown || sphere.radius < SMALLER * table_.radius) {
+    if (begins || outgrown || sphere.radius < SMALLER * table_.radius) {
         table_.center = sphere.center;
         table_.radius = sphere.radius;
     }
@@ -282,29 +282,32 @@ void SceneGpu::refreshInstances()
     }
 }
 
-void SceneGpu::update(const std::vector<glm::mat4>& pose)
+void SceneGpu::update(const std::vector<glm::mat4>& pose, bool begins)
 {
     const bool moved = pose != pose_;
-    if (!moved && settled_)
+    if (moved || !settled_) {
+        for (size_t i = 0; i < instances_.size(); ++i) {
+            auto& instance = instances_[i];
+            const glm::mat4x3 before = instance.objectToWorld;
+            instance.objectToWorld = glm::mat4x3(pose[scene_.instances[i].node]);
+            instance.flipped = glm::determinant(glm::mat3(instance.objectToWorld)) < 0;
+            previousPoses_[i] = begins ? instance.objectToWorld : before;
+            if (instance.objectToWorld != before)
+                bounds_[i] = boundsOf(i);
+        }
+        refreshInstances();
+    }
+    settled_ = begins || !moved;
+    if (!moved && !begins)
         return;
-    for (size_t i = 0; i < instances_.size(); ++i) {
-        auto& instance = instances_[i];
-        previousPoses_[i] = instance.objectToWorld;
-        instance.objectToWorld = glm::mat4x3(pose[scene_.instances[i].node]);
-        instance.flipped = glm::determinant(glm::mat3(instance.objectToWorld)) < 0;
-        if (instance.objectToWorld != previousPoses_[i])
-            bounds_[i] = boundsOf(i);
-    }
-    refreshInstances();
-    if (moved) {
-        const Sphere sphere = boundingSphere();
-        followScene(sphere);
-        moveLights(lights_, scene_, pose, sphere.radius);
-        table_.lightCount = lights_.lit ? uint32_t(lights_.lights.size()) : 0;
-        device_.upload(lightBuffer_, lights_.lights.data(), lights_.lights.size() * sizeof(Light));
-        pose_ = pose;
-    }
-    settled_ = !moved;
+    const Sphere sphere = boundingSphere();
+    followScene(sphere, begins);
+    if (!moved)
+        return;
+    moveLights(lights_, scene_, pose, sphere.radius);
+    table_.lightCount = lights_.lit ? uint32_t(lights_.lights.size()) : 0;
+    device_.upload(lightBuffer_, lights_.lights.data(), lights_.lights.size() * sizeof(Light));
+    pose_ = pose;
 }
 
 }  // namespace restirpg

@@ -27,8 +27,9 @@ public:
     void refresh();
 
     /// Move instances and lights to a new pose and bring the acceleration structure up to date. What moved in the call
-    /// before stands still now, so this is called every frame.
-    void update(const std::vector<glm::mat4>& pose);
+    /// before stands still now, so this is called every frame. `begins`: it is the first one of a run, whose kernels
+    /// see nothing of the poses before.
+    void update(const std::vector<glm::mat4>& pose, bool begins);
 
     const SceneTable& table() const { return table_; }
     const BindingSet& bindings() const { return bindings_; }
@@ -49,7 +50,7 @@ private:
     void placeInstances(const std::vector<glm::mat4>& pose);
     Box boundsOf(size_t instance) const;
     Sphere boundingSphere() const;
-    void followScene(const Sphere& sphere);
+    void followScene(const Sphere& sphere, bool begins);
     void uploadLights(const std::vector<glm::mat4>& pose);
     void refreshInstances();
     Buffer& keep(Buffer buffer);

@@ -13,7 +13,9 @@ struct FrameConstants {
     uvec2 picture;  ///< pixels of the whole picture, which the camera sees
     uint frame;  ///< frames since the last cut
     uint seed;  ///< of the run
-    uint reset;  ///< 1 on the first frame after a start, a resize or a cut: history is empty
+    uint reset;  ///< 1 on the first frame after a start or a cut: history is empty
+    /// 1: SceneTable::center or radius is not the frame before's, in whose cube the history's positions are packed
+    uint rescaled;
     float time;  ///< seconds, of the scene's animation
 };
 

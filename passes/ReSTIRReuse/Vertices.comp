@@ -66,9 +66,11 @@ void main()
     uint origin = origin_of(params.origins, pixel);
     PathVertexArray from = PathVertexArray((origin & OF_HISTORY) != 0u ? params.history : params.candidates);
     uint first = pixel * params.stride;
+    // Where the history's positions cannot be read any more, the bounces that are walked again are all that is known.
+    bool known = r.ucw > 0.0 && ((origin & OF_HISTORY) == 0u || frame.c.rescaled == 0u);
     for (uint i = 0u; i < params.stride; ++i) {
         PathVertex v = no_path_vertex();
-        if (r.ucw > 0.0)
+        if (known)
             v = from.at[(origin & ~OF_HISTORY) * params.stride + i];
         PathVertexArray(params.vertices).at[first + i] = v;
     }

@@ -203,7 +203,7 @@ TEST(LightSampling, TheSceneIsMeasuredAgainWhenItsNodesLeaveIt)
     const auto moveFirst = [&](float distance) {
         auto moved = pose;
         moved[scene.scene.instances[0].node][3].x += distance;
-        scene.gpu.update(moved);
+        scene.gpu.update(moved, false);
     };
     const float before = directional();
     moveFirst(0.5f * first.radius);

@@ -87,7 +87,7 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(BvhObject, nodes, triangles, worldToObject, grid, instance, masked),
     LAYOUT(Hit, instance, triangle, barycentrics),
     LAYOUT(PrimaryHit, hit, normal, distance),
-    LAYOUT(FrameConstants, scene, camera, previousCamera, size, corner, picture, frame, seed, reset, time),
+    LAYOUT(FrameConstants, scene, camera, previousCamera, size, corner, picture, frame, seed, reset, rescaled, time),
     LAYOUT(DoubleSingle3, high, low),
     LAYOUT(AccumulatorState, sum, deviation, count, invalid),
     LAYOUT(AccumulateParameters, frame, direct, indirect, emission, history, sums, mean, variance, invalid),

@@ -147,6 +147,32 @@ def test_directions_of_another_pixel_are_found(frames):
     assert ((edge * w).sum(-1) / np.linalg.norm(edge, axis=-1)).min() < 1 - 1e-5
 
 
+def test_what_flies_away_takes_the_sphere_along_until_the_run_ends(scene, box):
+    """In the frame in which the sphere becomes another, positions of the frame before mean nothing. A run that follows
+    begins with the sphere that a new renderer has."""
+    renderer = make_renderer(scene, restirpg.load_graph(ROOT / "graphs" / "restir_pg.py"), seed=13)
+
+    def sphere():
+        """Vertices' positions, and the radius that they are packed by."""
+        header = oracle.read_table(renderer.read_port("splat.statistics"), oracle.SUMS)[0]
+        grid = oracle.grid_of(header, renderer.get("splat.smallest_cell"))
+        vertices = renderer.read_port("reuse.vertices").view(oracle.VERTEX)
+        return grid.positions(vertices["position"][valid(vertices)]), grid.radius
+
+    down = np.eye(4)
+    down[1, 3] = -6  # below the floor, where no path gets
+    renderer.render(3)
+    renderer.move_node("Tower", down)
+    renderer.render(1)
+    points, radius = sphere()
+    assert radius > 2 * box.radius and len(points) > 300
+    assert np.linalg.norm(points - box.center, axis=-1).max() < 1.01 * box.radius
+    renderer.move_node("Tower", np.eye(4))
+    renderer.cut()
+    renderer.render(1)
+    assert sphere()[1] == pytest.approx(box.radius, rel=1e-5)
+
+
 def test_paths_that_are_replayed_to_their_end_may_be_longer_than_what_is_kept(tmp_path):
     """From a wall through a glass sphere to the sky: every bounce behind the first is sharp and replayed, and the path
     has no reconnection vertex. With alpha = 1 the guide draws nothing: pictures do not depend on what is kept."""

@@ -190,6 +190,24 @@ def test_a_node_is_moved_by_a_matrix_whose_last_column_is_the_translation(scene)
     assert "matrix (4, 4)" in refusal(renderer.move_node, "Tower", np.eye(3))
 
 
+def test_nothing_has_moved_in_the_first_frame_of_a_run(scene):
+    """Whatever ended the run before."""
+    renderer = make_renderer(scene, outputs=["motion"])
+    aside = np.eye(4)
+
+    def motion_after(ending):
+        renderer.render(1)
+        renderer.move_camera(position=np.add(renderer.camera["position"], (0.1, 0, 0)))
+        aside[0, 3] += 0.1
+        renderer.move_node("Tower", aside)
+        ending()
+        return np.abs(image_after(renderer, 1, "motion")).max()
+
+    assert motion_after(lambda: None) > 1
+    for ending in (renderer.cut, renderer.reload, lambda: renderer.set("paths.bounces", 1)):
+        assert motion_after(ending) < 1e-3
+
+
 def test_the_animation_stands_at_the_frames_time(tmp_path):
     panel = restirpg.load_scene(write_flying_panel(tmp_path / "panel.gltf"))
     assert panel.duration == 1

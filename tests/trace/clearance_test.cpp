@@ -117,7 +117,7 @@ protected:
             for (auto& matrix : before)
                 matrix = glm::scale(glm::mat4(1), glm::vec3(2)) * matrix;
         SceneGpu gpu(device, scene, before);
-        gpu.update(pose);
+        gpu.update(pose, false);
         FrameConstants constants{};
         constants.scene = gpu.table();
         Buffer frame = device.createBuffer(sizeof constants, "frame constants");
