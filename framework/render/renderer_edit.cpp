@@ -37,19 +37,23 @@ void Renderer::setKnob(const std::string& path, const nlohmann::json& value)
 
 uint32_t Renderer::setKnobEverywhere(const std::string& name, const nlohmann::json& value)
 {
+    auto& graph = executor_->graph();
     std::vector<std::pair<std::string, nlohmann::json>> before;
-    for (const auto& pass : graph().passes()) {
-        const auto& all = pass.interface.knobs();
-        const auto found = std::find_if(all.begin(), all.end(), [&](const Knob& knob) { return knob.name == name; });
-        if (found != all.end())
-            before.emplace_back(pass.name + "." + name, found->get());
-    }
+    for (auto& pass : graph.passes())
+        if (const Knob* knob = findKnob(pass, name))
+            before.emplace_back(pass.name + "." + name, knob->get());
+    // On trial, so that a value that one of them refuses is refused before a structural one cuts.
+    graph.setKnobEverywhere(name, value);
+    for (const auto& [path, old] : before)
+        graph.setKnob(path, old);
+    const auto turned = turned_;
     for (size_t i = 0; i < before.size(); ++i) {
         try {
             setKnob(before[i].first, value);
-        } catch (...) {
+        } catch (...) {  // it cannot be built with the value
             while (i-- > 0)
                 setKnob(before[i].first, before[i].second);
+            turned_ = turned;
             throw;
         }
     }

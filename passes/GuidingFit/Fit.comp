@@ -129,7 +129,7 @@ void fit_cell(uint slot, uint64_t key)
         if (params.remembers != 0u)
             add_memory(sums, guiding_memories(params.history, params.capacity).at[before], 1.0);
     }
-    float keep = params.pools != 0u ? 1.0 : params.decay;
+    float keep = params.keepsSamples != 0u ? 1.0 : params.decay;
     GuidingMemory lasting = sums;
     if (sums.count >= params.minimum) {
         mixture = fit(sums, mixture, guiding_sums(params.statistics, params.capacity).at[slot].strangest, lasting);

@@ -22,7 +22,7 @@ public:
                 "slots of the hash table, rounded up to a power of two; GuidingSplat's must be the same");
         io.structural();
         io.knob("minimum", minimum_, 1, 1e6f, "least number of samples that a cell is fitted to");
-        io.knob("pool", pool_,
+        io.knob("keep_samples", keepSamples_,
                 "a cell with fewer than `minimum` samples keeps them for the next frame; off: it drops them and keeps "
                 "its lobes");
         io.structural();
@@ -30,7 +30,7 @@ public:
             "decay", decay_, 0, 0.999f,
             "factor by which a cell's sums count in the next frame's fit; 0: they are forgotten (Zeng et al. 2025: 0)");
         io.structural();
-        io.knob("oldest", oldest_, 0, 10000, "frames for which a cell goes on guiding when no path reaches it");
+        io.knob("oldest", oldest_, 0, 10000, "frames for which a cell goes on guiding without being fitted again");
         io.knob("lobes", lobes_, 1, GUIDING_LOBES, "number of lobes in a cell's mixture (Zeng et al. 2025: 4)");
         io.knob("weight_prior", weightPrior_, 0, 1000,
                 "samples that are added to the count of each lobe: a larger value keeps the weights more even");
@@ -75,7 +75,7 @@ public:
                                               capacity(),
                                               options(),
                                               remembers(),
-                                              pool_,
+                                              keepSamples_,
                                               reseed_,
                                               oldest_,
                                               lobes_,
@@ -100,7 +100,7 @@ private:
     }
 
     /// Parallax reads its sums at lookup.
-    bool remembers() const { return pool_ || decay_ > 0 || parallax_; }
+    bool remembers() const { return keepSamples_ || decay_ > 0 || parallax_; }
 
     /// Of GuidingSplat with the same knobs.
     uint64_t statisticsBytes() const
@@ -119,7 +119,7 @@ private:
     Out<Buffer> guide_;
     uint32_t cells_ = 1u << 16;
     float minimum_ = 16;
-    bool pool_ = true;
+    bool keepSamples_ = true;
     float decay_ = 0;
     uint32_t oldest_ = 16;
     uint32_t lobes_ = GUIDING_LOBES;

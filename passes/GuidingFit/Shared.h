@@ -13,7 +13,7 @@ struct GuidingFitParameters {
     uint capacity;  ///< slots, a power of two
     uint options;  ///< GUIDING_* flags
     uint remembers;  ///< 1: a GuidingMemory follows each cell
-    uint pools;  ///< 1: a cell with too few samples keeps them for the next frame
+    uint keepsSamples;  ///< 1: a cell with too few samples keeps them for the next frame
     uint reseeds;  ///< 1: lobes that explain nothing move to the strangest sample
     uint oldest;  ///< frames that a cell guides without being fitted again
     uint lobes;  ///< that may have weight, 1 to GUIDING_LOBES

@@ -20,6 +20,7 @@ target_compile_definitions(restirpg-pass-Sourceless PRIVATE TEST_PLUGIN_NAME="So
 target_compile_definitions(graph_files_test PRIVATE TEST_PLUGINS="${TEST_PLUGINS}")
 
 restirpg_test(throwing_pass_test SOURCES graph/throwing_pass_test.cpp LINKS restirpg)
+restirpg_test(set_everywhere_test SOURCES graph/set_everywhere_test.cpp scene/gltf_builder.cpp LINKS restirpg)
 restirpg_test(random_wirings_test SOURCES graph/random_wirings_test.cpp scene/gltf_builder.cpp LINKS restirpg)
 add_dependencies(random_wirings_test renderer)
 # Its graphs render three small frames each: nearly all of the time goes into compiling their kernels.

@@ -126,7 +126,7 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(GuidingMemory, sums, bsdf, count, inverseDistances),
     LAYOUT(GuidingSplatParameters, frame, vertices, samples, guide, statistics, stride, capacity, finalEdges, incident,
            parallax, cellSize, smallestCell, rowStep),
-    LAYOUT(GuidingFitParameters, frame, statistics, history, guide, capacity, options, remembers, pools, reseeds,
+    LAYOUT(GuidingFitParameters, frame, statistics, history, guide, capacity, options, remembers, keepsSamples, reseeds,
            oldest, lobes, decay, minimum, alphaPrior, weightPrior, concentrationPrior, largestKappa),
     LAYOUT(GuidingViewParameters, frame, surface, guide, image, show),
     LAYOUT(ToneMapParameters, frame, image, display, gain, white, curve),

@@ -1,7 +1,7 @@
 """GuidingFit in NumPy and double precision: the M-step, what cells remember, which live on. Written from
 [shaders/README: The MAP fit].
 
-A cell that has fewer samples than the knob `minimum` keeps its lobes and, with `pool`, its samples; one that
+A cell that has fewer samples than the knob `minimum` keeps its lobes and, with `keep_samples`, its samples; one that
 has enough is fitted, and its sums weigh `decay` in the next frame. Cells without samples live on for `oldest`
 frames.
 """
@@ -118,7 +118,7 @@ def fit_cell(key, statistics, learns_alpha, grid, before, cells, knobs):
     `learns_alpha`; `before`, `cells`: the guide a frame ago; `knobs`: GuidingFit's."""
     sums = statistics[0]
     memory = batch_of(sums, statistics[1] if len(statistics) > 1 else None)
-    remembers = knobs["pool"] or knobs["decay"] > 0 or knobs["parallax"]
+    remembers = knobs["keep_samples"] or knobs["decay"] > 0 or knobs["parallax"]
     found, doubtful = previous_key(key, grid, before, cells)
     mixture, age, samples = new_mixture(face_normals(np.array([face_of(key)]))[0]), 0, 0.0
     alpha = NEW_ALPHA
@@ -128,7 +128,7 @@ def fit_cell(key, statistics, learns_alpha, grid, before, cells, knobs):
         alpha = alpha_of(cell)
         if remembers:
             memory = memory + memory_of(cells[found][1])
-    kept = 1.0 if knobs["pool"] else knobs["decay"]
+    kept = 1.0 if knobs["keep_samples"] else knobs["decay"]
     count, lasting, moved = memory[COUNT], memory, None
     if count >= knobs["minimum"]:
         mixture = m_step(memory[:BSDF].reshape(LOBES, 4), count - memory[BSDF], mixture, knobs)

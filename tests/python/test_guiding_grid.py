@@ -102,7 +102,7 @@ def record(scene, graph, move=0.0, count=FRAMES, **knobs):
     values = renderer.knobs()
     distances = [oracle.DISTANCES] if values["splat"]["parallax"] else []
     fit = values["fit"]
-    memory = [oracle.MEMORY] if fit["pool"] or fit["decay"] > 0 or fit["parallax"] else []
+    memory = [oracle.MEMORY] if fit["keep_samples"] or fit["decay"] > 0 or fit["parallax"] else []
     frames, before = [], None
     for frame in range(count):
         renderer.move_camera(position=(place[0] + move * frame, place[1], place[2]))
@@ -144,10 +144,10 @@ CASES = {
     "every third row": ("door_ajar", "restir_pg", {"splat__rows": 12}),
     "two lobes": ("door_ajar", "restir_pg", {"fit__lobes": 2}),
     "learnt alpha": ("door_ajar", "restir_pg", {"move": 0.04, "fit__learn_alpha": True}),
-    "neither pool nor memory": (
+    "neither kept samples nor memory": (
         "cornell_box",
         "restir_pg",
-        {"fit__pool": False, "fit__oldest": 2, "fit__reseed": False},
+        {"fit__keep_samples": False, "fit__oldest": 2, "fit__reseed": False},
     ),
 }
 

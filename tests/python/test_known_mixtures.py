@@ -50,7 +50,7 @@ class Learner:
             self.renderer.set(f"fit.{name}", value)
         self.renderer.render(frames)
         knobs = self.renderer.knobs()["fit"]
-        memory = [oracle.MEMORY] if knobs["pool"] or knobs["decay"] > 0 else []
+        memory = [oracle.MEMORY] if knobs["keep_samples"] or knobs["decay"] > 0 else []
         header, table, keys = oracle.read_table(self.renderer.read_port("fit.guide"), oracle.CELL, *memory)
         assert oracle.slots_are_reachable(keys)
         return header, [records[0] for records in table.values()]
@@ -91,7 +91,7 @@ def test_the_oracle_itself_climbs(scene):
     assert min(np.diff(scores)) > -1e-3 and scores[-1] > scores[0] + 0.5
 
 
-def test_starved_cells_pool_their_samples_until_there_are_enough(scene):
+def test_starved_cells_keep_their_samples_until_there_are_enough(scene):
     """512 places, 8 samples each a frame; 16 are needed."""
     learner = Learner(scene, places=512)
     header, cells = learner.render(1)
@@ -105,8 +105,8 @@ def test_starved_cells_pool_their_samples_until_there_are_enough(scene):
     assert (header["fitted"], header["guiding"]) == (0, 512) and {int(cell["age"]) for cell in cells} == {1}
 
 
-def test_starved_cells_without_pool_never_guide(scene):
-    header, cells = Learner(scene, places=512).render(5, pool=False)
+def test_starved_cells_that_drop_their_samples_never_guide(scene):
+    header, cells = Learner(scene, places=512).render(5, keep_samples=False)
     assert (header["cells"], header["fitted"], header["guiding"]) == (512, 0, 0)
     assert {int(cell["age"]) for cell in cells} == {4}
 
@@ -114,7 +114,7 @@ def test_starved_cells_without_pool_never_guide(scene):
 def test_cells_stop_guiding_when_they_have_grown_too_old(scene):
     """Fitted once, then kept from it by a larger `minimum`."""
     learner = Learner(scene, places=64)
-    assert learner.render(1, pool=False, oldest=2)[0]["guiding"] == 64
+    assert learner.render(1, keep_samples=False, oldest=2)[0]["guiding"] == 64
     assert [int(learner.render(1, minimum=1000)[0]["guiding"]) for _ in range(4)] == [64, 64, 0, 0]
 
 

@@ -150,6 +150,17 @@ def test_a_pass_tells_its_ports_and_knobs():
     assert "no pass type 'Nothing'; pass types: Accumulate" in refusal(restirpg.describe_pass, "Nothing")
 
 
+def test_a_knob_that_several_passes_have_takes_one_kind_of_value():
+    """Else set_everywhere has no value for all of them."""
+    numbers = {"int": "number", "uint": "number", "float": "number"}
+    types = {}
+    for name in sorted(folder.name for folder in (GRAPH.parents[1] / "passes").iterdir() if folder.is_dir()):
+        for knob in restirpg.describe_pass(name)["knobs"]:
+            types.setdefault(knob["name"], {})[name] = numbers.get(knob["type"], knob["type"])
+    assert len(types) > 50
+    assert [knob for knob, of in types.items() if len(set(of.values())) > 1] == []
+
+
 def test_a_knob_turns_the_picture(renderer):
     assert np.median(image_after(renderer, 4)) > 0.05
     renderer.cut()
