@@ -40,14 +40,12 @@ void main()
     if (before != INVALID_INDEX)
         cell = chain_cells(params.history, params.capacity).at[before];
     ChainProposals proposals = ChainProposalsArray(params.proposals).at[slot];
-    bool guiding = false;
     for (uint k = 0u; k < CHAINS; ++k) {
         float energy = from_fixed(proposals.weights[k]) / float(max(proposals.count, 1u));
         cell.states[k] = advance(cell.states[k], proposals.best[k], energy, chain_random(key, k));
-        guiding = guiding || cell.states[k].samples > 0.0;
     }
     cell.age = 0u;
     chain_cells(params.guide, params.capacity).at[slot] = cell;
-    if (guiding)
+    if (has_lobe(cell))
         atomicAdd(GuidingHeaderRef(params.guide).at.guiding, 1u);
 }

@@ -19,7 +19,16 @@ void main()
     cell.age += 1u;
     if (cell.age > params.oldest)
         return;
-    uint slot = insert_sample(params.guide, params.capacity, key);
-    if (slot != INVALID_INDEX)
-        chain_cells(params.guide, params.capacity).at[slot] = cell;
+    GuidingHeaderRef header = GuidingHeaderRef(params.guide);
+    bool taken;
+    uint probes;
+    uint slot = insert_key(params.guide, params.capacity, key, taken, probes);
+    if (slot == INVALID_INDEX) {
+        atomicAdd(header.at.failed, 1u);
+        return;
+    }
+    chain_cells(params.guide, params.capacity).at[slot] = cell;
+    atomicAdd(header.at.cells, 1u);
+    if (has_lobe(cell))
+        atomicAdd(header.at.guiding, 1u);
 }

@@ -23,6 +23,14 @@ ChainState no_chain_state()
     return ChainState(vec3(0.0), 0.0, 0.0, 0.0);
 }
 
+bool has_lobe(ChainCell cell)
+{
+    for (uint k = 0u; k < CHAINS; ++k)
+        if (cell.states[k].samples > 0.0)
+            return true;
+    return false;
+}
+
 /// Of the lobe of a state that is seen from so far, m. Few samples make a wide lobe, the wider the nearer the target is.
 float chain_kappa(ChainState s, float distance, float prior, float largest)
 {

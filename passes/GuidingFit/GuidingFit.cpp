@@ -10,7 +10,9 @@ public:
     void describe(Interface& io) override
     {
         const PortType layout = guide("GridGuide", fixedSize("", [this] { return bytes(); }), passFile("guide.glsl"));
-        io.input("statistics", statistics_, fixedSize("GuidingStatistics", [this] { return statisticsBytes(); }),
+        io.input("statistics", statistics_,
+                 // Of GuidingSplat with the same knobs.
+                 fixedSize("GuidingStatistics", [this] { return guidingStatisticsBytes(capacity(), parallax_); }),
                  "GuidingSplat's sums of this frame");
         io.ofThisFrame();
         io.input("history", history_, layout, "the output guide, one frame ago: prev(\"fit.guide\")");
@@ -101,13 +103,6 @@ private:
 
     /// Parallax reads its sums at lookup.
     bool remembers() const { return keepSamples_ || decay_ > 0 || parallax_; }
-
-    /// Of GuidingSplat with the same knobs.
-    uint64_t statisticsBytes() const
-    {
-        const uint64_t slot = GUIDING_KEY_BYTES + GUIDING_SUMS_BYTES + (parallax_ ? GUIDING_DISTANCE_SUMS_BYTES : 0);
-        return GUIDING_HEADER_BYTES + slot * capacity();
-    }
 
     uint64_t bytes() const
     {

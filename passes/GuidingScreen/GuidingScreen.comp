@@ -15,10 +15,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vec
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer StatisticsArray { ScreenStatistics at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ScreenLobeArray { ScreenLobe at[]; };
 
-/// The window that neighbours are drawn from, 5 x 5 pixels, without its centre.
-const uint WINDOW = 5u;
-const uint NEIGHBOURS = WINDOW * WINDOW - 1u;
-
 /// The point that a pixel shows, as it stood in the frame before: samples and moments are of that frame.
 struct Place {
     Surface surface;
@@ -78,13 +74,13 @@ ScreenStatistics gather(Place here, uvec2 at, uint previous)
     // A walk over the window from a random place in random steps, which have no factor in common with its 24 places, meets none twice.
     const uint STEPS[8] = uint[](1u, 5u, 7u, 11u, 13u, 17u, 19u, 23u);
     vec2 u = random2(random_key(picture_pixel(at), frame.c.frame, frame.c.seed ^ RANDOM_STREAM_SCREEN), 0u, 0u);
-    uint place = uint(u.x * float(NEIGHBOURS));
+    uint place = uint(u.x * float(SCREEN_NEIGHBOURS));
     uint stride = STEPS[uint(u.y * 8.0)];
     ivec2 centre = ivec2(previous % frame.c.size.x, previous / frame.c.size.x);
     for (uint i = 0u; i < params.neighbours; ++i) {
-        uint cell = place < NEIGHBOURS / 2u ? place : place + 1u;
-        ivec2 found = centre + ivec2(cell % WINDOW, cell / WINDOW) - int(WINDOW / 2u);
-        place = (place + stride) % NEIGHBOURS;
+        uint cell = place < SCREEN_NEIGHBOURS / 2u ? place : place + 1u;
+        ivec2 found = centre + ivec2(cell % SCREEN_WINDOW, cell / SCREEN_WINDOW) - int(SCREEN_WINDOW / 2u);
+        place = (place + stride) % SCREEN_NEIGHBOURS;
         if (any(lessThan(found, ivec2(0))) || any(greaterThanEqual(found, ivec2(frame.c.size))))
             continue;
         uint pixel = uint(found.y) * frame.c.size.x + uint(found.x);

@@ -7,13 +7,6 @@ namespace restirpg {
 static_assert(sizeof(ScreenStatistics) == 36);
 static_assert(sizeof(ScreenLobe) == 24);
 
-namespace {
-
-/// Pixels of the 5 x 5 window around one.
-constexpr uint32_t WINDOW_NEIGHBOURS = 24;
-
-}  // namespace
-
 class GuidingScreen final : public Pass {
 public:
     void describe(Interface& io) override
@@ -44,7 +37,7 @@ public:
         io.knob("product", product_, "fit the incident radiance times BSDF and cosine; off: the radiance alone");
         io.knob("smoothing_floor", smoothingFloor_, 0.001f, 1,
                 "smallest share that a new sample has in the moments; before it is reached, they are plain means");
-        io.knob("neighbours", neighbours_, 0, WINDOW_NEIGHBOURS,
+        io.knob("neighbours", neighbours_, 0, SCREEN_NEIGHBOURS,
                 "random pixels of the 5x5 window around this one whose last sample is used, too");
         io.knob(
             "prior", prior_, 0, 1000,

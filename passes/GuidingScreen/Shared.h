@@ -9,6 +9,10 @@ RESTIRPG_CONST SCREEN_LOBE_NONE = 0u;  ///< not guidable
 RESTIRPG_CONST SCREEN_LOBE_GAUSSIAN = 1u;
 RESTIRPG_CONST SCREEN_LOBE_VMF = 2u;
 
+/// Side of the window around a pixel that its neighbours are drawn from, and how many there are, in pixels.
+RESTIRPG_CONST SCREEN_WINDOW = 5u;
+RESTIRPG_CONST SCREEN_NEIGHBOURS = SCREEN_WINDOW * SCREEN_WINDOW - 1u;
+
 /// Weighted moments of the directions that a pixel has seen, smoothed over its samples. A weight is radiance over
 /// density.
 struct ScreenStatistics {

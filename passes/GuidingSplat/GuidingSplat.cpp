@@ -17,7 +17,8 @@ public:
                          "bounces of raw path trees, weighted by the light that came back; wire this or `vertices`");
         io.optionalInput("guide", guide_, fixedSize("GridGuide", {}),
                          "the guide that drew the paths, one frame ago: prev(\"fit.guide\")");
-        io.output("statistics", statistics_, fixedSize("GuidingStatistics", [this] { return bytes(); }),
+        io.output("statistics", statistics_,
+                  fixedSize("GuidingStatistics", [this] { return guidingStatisticsBytes(capacity(), parallax_); }),
                   "sufficient statistics of this frame, per cell");
         io.knob("cells", cells_, 1u << 10, 1u << 21, "slots of the hash table, rounded up to a power of two");
         io.structural();
@@ -78,12 +79,6 @@ public:
 
 private:
     uint32_t capacity() const { return std::bit_ceil(cells_); }
-
-    uint64_t bytes() const
-    {
-        const uint64_t slot = GUIDING_KEY_BYTES + GUIDING_SUMS_BYTES + (parallax_ ? GUIDING_DISTANCE_SUMS_BYTES : 0);
-        return GUIDING_HEADER_BYTES + slot * capacity();
-    }
 
     In<Buffer> vertices_, samples_, guide_;
     Out<Buffer> statistics_;

@@ -160,6 +160,8 @@ def check_frame(renderer, before, after, knobs):
     frame = renderer.frame - 1
     found = propose(samples, renderer.size[0], frame, grid, before and before[1:], knobs)
     assert header["samples"] == sum(p.count for p in found.values())
+    lobes = [(cell["states"]["samples"] > 0).any() for cell in cells.values()]
+    assert (header["cells"], header["guiding"], header["failed"]) == (len(cells), sum(lobes), 0)
     empty, doubts, moved, began = np.zeros((), CELL), 0, 0, 0
     for key, proposals in found.items():
         previous = oracle.previous_key(key, grid, before[2], before[1])[0] if before else None
