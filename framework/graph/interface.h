@@ -33,6 +33,8 @@ struct PortType {
     std::string module = {};
     /// Of an output: the name of all types like it ("Guide"); an input of that name takes any of them
     std::string family = {};
+    /// When set, bytes of one item: the resource is an array of them, which kernels index by 32 bits
+    uint32_t itemBytes = 0;
 
     uint64_t bytes(uint32_t width, uint32_t height) const
     {
@@ -90,7 +92,9 @@ PortType perPixel(const std::string& name)
 template <typename T>
 PortType severalPerPixel(const std::string& name, std::function<uint64_t()> count)
 {
-    return {name, 0, 0, {}, [count = std::move(count)] { return sizeof(T) * count(); }};
+    PortType type{name, 0, 0, {}, [count = std::move(count)] { return sizeof(T) * count(); }};
+    type.itemBytes = sizeof(T);
+    return type;
 }
 
 /// T of any number per pixel, which the reader takes from In::pixelBytes.

@@ -31,10 +31,16 @@ Executor::~Executor()
 /// The buffers of an output of `pass`, whose knobs tell their size.
 Executor::Copies Executor::allocate(const PlannedResource& plan, const GraphPass& pass)
 {
+    constexpr uint64_t MOST_ITEMS = (1ull << 31) - 1;  // GuidingChain needs a bit besides an item's number
     const auto& port = pass.interface.outputs()[plan.output];
+    const uint64_t bytes = port.type.bytes(width_, height_);
+    if (port.type.itemBytes > 0 && bytes / port.type.itemBytes > MOST_ITEMS)
+        fail("{}: the output '{}' has {} items at {}x{} pixels, of which kernels can count {}; set a knob that it "
+             "follows lower, or render a window",
+             placeOf(pass), port.name, bytes / port.type.itemBytes, width_, height_, MOST_ITEMS);
     Copies copies;
     for (int copy = 0; copy < (plan.delayed ? 2 : 1); ++copy)
-        copies[copy] = device_.createBuffer(port.type.bytes(width_, height_), pass.name + "." + port.name);
+        copies[copy] = device_.createBuffer(bytes, pass.name + "." + port.name);
     return copies;
 }
 
