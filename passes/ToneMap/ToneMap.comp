@@ -8,10 +8,13 @@ layout(push_constant, scalar) uniform Push { ToneMapParameters params; };
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Vec3Image { vec3 at[]; };
 
+/// Above it the curve is a straight line, and its terms are still finite.
+const float LARGEST_LUMINANCE = 1e30;
+
 /// The extended curve on luminance: `white` becomes 1, hue and saturation stay.  [Reinhard et al. 2002, equation 4]
 vec3 reinhard(vec3 rgb)
 {
-    float l = luminance(rgb);
+    float l = min(luminance(rgb), LARGEST_LUMINANCE);
     return rgb * ((1.0 + l / (params.white * params.white)) / (1.0 + l));
 }
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from renderer_scenes import make_renderer, restirpg, scene, scene_file  # noqa: F401
+from renderer_scenes import make_renderer, restirpg, scene, scene_file, write_flying_panel  # noqa: F401
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
@@ -30,3 +30,16 @@ def test_display_values_follow_the_formulas(scene, curve, exposure):
     expected = encode_srgb(np.minimum(x, 1))
     assert expected.std() > 0.05
     assert np.abs(renderer.output("display") - expected).max() < 1e-5
+
+
+@pytest.mark.parametrize("curve", ["linear", "reinhard"])
+def test_what_overflows_by_the_exposure_is_white(tmp_path, curve):
+    """Emission of 10^35 and of 0 under 20 stops; what had no light of a colour has none."""
+    g = restirpg.Graph("Overflow")
+    gbuffer = g.add("gbuffer", "GBuffer")
+    display = g.add("display", "ToneMap", image=gbuffer.emission, curve=curve, exposure=20.0, white=0.5)
+    g.output("display", display.display)
+    renderer = make_renderer(restirpg.load_scene(write_flying_panel(tmp_path / "panel.gltf")), g)
+    renderer.edit({"materials.0.emission": (1e35, 1e35, 0)})
+    renderer.render(1)
+    np.testing.assert_allclose(renderer.output("display"), np.broadcast_to((1, 1, 0), (32, 32, 3)), atol=1e-6)
