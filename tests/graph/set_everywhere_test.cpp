@@ -53,10 +53,9 @@ protected:
             EXPECT_EQ(renderer_.knob(path), 7u) << "the refused value, or the one before it, is kept";
     }
 
-    Renderer renderer_{std::make_shared<const Scene>(load(squareScene())), graphOf(5),
-                       RendererOptions{.width = 8,
-                                       .height = 8,
-                                       .device = DeviceOptions{.device = testDevice(), .validation = true}}};
+    Renderer renderer_{
+        std::make_shared<const Scene>(load(squareScene())), graphOf(5),
+        RendererOptions{.width = 8, .height = 8, .device = DeviceOptions{.device = testDevice(), .validation = true}}};
 };
 
 TEST_F(SetEverywhere, AValueThatOnePassRefusesChangesNothing)
