@@ -105,8 +105,8 @@ Four most(Four a, Four b)
     return a > b ? a : b;
 }
 
-/// Embree's callback of a spatial split: the bounds of the two parts of a triangle, cut at a plane across an axis. Nearly half
-/// of the time that a hierarchy takes is spent here.
+/// Embree's callback of a spatial split: the bounds of the two parts of a triangle, cut at a plane across an axis.
+/// Nearly half of the time that a hierarchy takes is spent here.
 void splitTriangle(const RTCBuildPrimitive* primitive, unsigned axis, float plane, RTCBounds* left, RTCBounds* right,
                    void* user)
 {
