@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Compare two builds of the renderer: start-up, frames and passes, interleaved, as ratios with their spread.
 
     benchmarks/builds.py OLD_BUILD NEW_BUILD [--pairs 5] [--graphs ...] [--scenes ...] [--size 160x90] [--frames 8]
@@ -17,6 +17,7 @@ them CPU seconds of the process and wall time); one row a pass, by the device's 
 
 import argparse
 import csv
+import io
 import json
 import math
 import os
@@ -65,12 +66,15 @@ def graph_of(build, graph):
     return str(own) if Path(graph).resolve().parent == ROOT / "graphs" and own.is_file() else graph
 
 
+def package_of(build):
+    """The folder of a build's Python package."""
+    return Path(build) / "python"
+
+
 def turn(build, case):
     """One measurement in a process of its own."""
     case = {**case, "graph": graph_of(build, case["graph"])}
-    package = Path(build) / "python"
-    if not package.is_dir():
-        sys.exit(f"builds.py: {build}: no build folder of restirpg: there is no {package}")
+    package = package_of(build)
     done = subprocess.run(
         [sys.executable, __file__, "--measure", json.dumps(case)],
         env={**os.environ, "PYTHONPATH": str(package), "MESA_SHADER_CACHE_DIR": str(package.parent / "cache/mesa")},
@@ -78,7 +82,9 @@ def turn(build, case):
         text=True,
     )
     if done.returncode != 0:
-        sys.exit(f"builds.py: {build}: {(done.stderr.strip() or 'no message').splitlines()[-1]}")
+        from restirpg.harness import UserError
+
+        raise UserError(f"{build}: {(done.stderr.strip() or 'it ended without a message').splitlines()[-1]}")
     return json.loads(done.stdout.splitlines()[-1])
 
 
@@ -90,52 +96,96 @@ def compare(pairs):
             continue
         old, new = ([pair[side][name] for pair in pairs] for side in (0, 1))
         logs = [math.log(a / b) for a, b in zip(old, new) if a > 0 and b > 0]
-        if not logs:
+        if len(logs) < 2:
             continue
-        error = statistics.stdev(logs) / math.sqrt(len(logs)) if len(logs) > 1 else math.nan
+        error = statistics.stdev(logs) / math.sqrt(len(logs))
         rows.append(
             (name, statistics.median(old), statistics.median(new), math.exp(statistics.mean(logs)), math.exp(error))
         )
     return rows
 
 
-def main():
+def parse(arguments):
     """The command line."""
+    from restirpg.harness import program
+
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("old", help="build folder")
-    parser.add_argument("new", help="build folder")
-    parser.add_argument("--pairs", type=int, default=5)
-    parser.add_argument("--graphs", nargs="+", default=[str(ROOT / "graphs/restir_pg.py")])
-    parser.add_argument("--scenes", nargs="+", default=[str(ROOT / "out/scenes/door_ajar.glb")])
-    parser.add_argument("--size", default="160x90")
-    parser.add_argument("--frames", type=int, default=8)
-    parser.add_argument("--csv", help="write all rows there")
-    options = parser.parse_args()
-    if options.pairs < 1 or options.frames < 1:
-        parser.error("--pairs and --frames are at least 1")
-    size = [int(side) for side in options.size.split("x") if side.isascii() and side.isdigit()]
-    if len(size) != 2 or options.size != f"{size[0]}x{size[1]}":
-        parser.error(f"--size {options.size}: write WIDTHxHEIGHT, as in 160x90")
+    add = parser.add_argument
+    add("old", help="build folder")
+    add("new", help="build folder")
+    add("--pairs", type=program.whole(2), default=5, help="(%(default)s)")
+    add("--graphs", nargs="+", default=[str(ROOT / "graphs/restir_pg.py")], help="(%(default)s)")
+    add("--scenes", nargs="+", default=[str(ROOT / "out/scenes/door_ajar.glb")], help="(%(default)s)")
+    add("--size", type=program.size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
+    add("--frames", type=program.positive, default=8, help="(%(default)s)")
+    add("--csv", metavar="FILE", help="write all rows there")
+    return parser.parse_args(arguments)
+
+
+def check(options):
+    """Raise UserError where a build, a graph or a scene is not there, or the rows cannot be written."""
+    from restirpg.harness import UserError, files
+
+    builds = (options.old, options.new)
+    for build in builds:
+        if not package_of(build).is_dir():
+            raise UserError(f"{build}: no build folder of restirpg: there is no {package_of(build)}; build it there")
+    graphs = [graph_of(build, graph) for build in builds for graph in options.graphs]
+    for file in [*graphs, *options.scenes]:
+        if not Path(file).is_file():
+            kind = "graph" if file in graphs else "scene; scripts/make_scenes.py writes the embedded ones to out/scenes"
+            raise UserError(f"{file}: no such {kind}")
+    if options.csv:
+        files.prepare(options.csv, [*graphs, *options.scenes], "--csv")
+
+
+def run(options):
+    """Measure, print and write. Returns the exit code."""
+    from restirpg.harness import files
+
+    check(options)
+    size = f"{options.size[0]}x{options.size[1]}"
     table = [("graph", "scene", "size", "row", "pairs", "old_ms", "new_ms", "ratio", "spread")]
     for graph in options.graphs:
         for scene in options.scenes:
-            case = {"graph": graph, "scene": scene, "size": size, "frames": options.frames}
+            case = {"graph": graph, "scene": scene, "size": options.size, "frames": options.frames}
             for build in (options.old, options.new):
                 turn(build, case)
             pairs = [(turn(options.old, case), turn(options.new, case)) for _ in range(options.pairs)]
-            print(f"\n{Path(graph).stem}, {Path(scene).stem}, {options.size}, {options.pairs} pairs\n")
+            print(f"\n{Path(graph).stem}, {Path(scene).stem}, {size}, {options.pairs} pairs\n")
             print("| | old, ms | new, ms | old / new | spread |\n| --- | --- | --- | --- | --- |")
             for name, old, new, ratio, spread in compare(pairs):
-                case_columns = (Path(graph).stem, Path(scene).stem, options.size, name, options.pairs)
+                case_columns = (Path(graph).stem, Path(scene).stem, size, name, options.pairs)
                 table.append((*case_columns, f"{old:.4g}", f"{new:.4g}", f"{ratio:.3f}", f"{spread:.3f}"))
                 print(f"| {name} | {old:.4g} | {new:.4g} | {ratio:.2f} | x/ {spread:.3f} |", flush=True)
-    if options.csv:
-        with open(options.csv, "w", newline="") as stream:
-            csv.writer(stream, lineterminator="\n").writerows(table)
+            if options.csv:  # case by case: what follows may fail
+                stream = io.StringIO(newline="")
+                csv.writer(stream, lineterminator="\n").writerows(table)
+                files.write(options.csv, stream.getvalue())
+    return 0
+
+
+def main(arguments):
+    """The command line. Returns the exit code."""
+    from restirpg.harness import program  # not at the top: a measuring process has an old build's package
+
+    options = parse(arguments)
+    return program.run("builds.py", lambda _: run(options))
+
+
+def measured(case):
+    """Print the times as JSON, or end with a mistake in one line: what main's process reads."""
+    import restirpg
+
+    try:
+        rows = measure(**case)
+    except restirpg.Error as error:
+        sys.exit(" ".join(str(error).split()))
+    print(json.dumps(rows))
 
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--measure"]:
-        print(json.dumps(measure(**json.loads(sys.argv[2]))))
+        measured(json.loads(sys.argv[2]))
     else:
-        main()
+        sys.exit(main(sys.argv[1:]))

@@ -3,7 +3,9 @@
 #include "core/error.h"
 #include "scene/gltf.h"
 
-#include <map>
+#include <algorithm>
+#include <filesystem>
+#include <set>
 
 namespace restirpg::bench {
 
@@ -20,6 +22,9 @@ int failedCases()
 
 void add(const std::string& name, std::function<void(benchmark::State&)> run)
 {
+    static std::set<std::string> names;
+    if (!names.insert(name).second)
+        fail("two cases would be called {}; give each graph, scene, size and back end once", name);
     benchmark::RegisterBenchmark(name.c_str(),
                                  [run = std::move(run)](benchmark::State& state) {
                                      try {
@@ -31,6 +36,19 @@ void add(const std::string& name, std::function<void(benchmark::State&)> run)
                                  })
         ->UseManualTime()
         ->Unit(benchmark::kMillisecond);
+}
+
+std::map<std::string, std::string> namesOf(const std::vector<std::string>& files)
+{
+    const auto stem = [](const std::string& file) { return std::filesystem::path(file).stem().string(); };
+    std::map<std::string, std::string> names;
+    for (const auto& file : files) {
+        const bool alone = std::all_of(files.begin(), files.end(), [&](const std::string& other) {
+            return other == file || stem(other) != stem(file);
+        });
+        names[file] = alone ? stem(file) : file;
+    }
+    return names;
 }
 
 std::shared_ptr<const Scene> loadScene(const std::string& file)

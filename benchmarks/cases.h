@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -40,9 +41,13 @@ void registerTracing(const Cases& cases);
 /// bsdf/MATERIAL: sampling, with evaluation of weight and pdf. Counter: samples a second.
 void registerBsdfs(const Cases& cases);
 
-/// Register one case; an Error of its own is reported as the case's error, and the rest goes on.
+/// Register one case; an Error of its own is reported as the case's error, and the rest goes on. Throws Error where
+/// another case has the name.
 void add(const std::string& name, std::function<void(benchmark::State&)> run);
 int failedCases();
+
+/// What the cases call each file: its stem, or the whole path where several have that stem.
+std::map<std::string, std::string> namesOf(const std::vector<std::string>& files);
 
 /// The scene of a file, loaded once.
 std::shared_ptr<const Scene> loadScene(const std::string& file);

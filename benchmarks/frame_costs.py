@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """What a frame of each method costs, in turn on one idle machine.
 
-    benchmarks/frame_costs.py GRAPH[@KNOB=VALUE,label=NAME]... --scene FILE [--size 160x90] [--warm 6] [--rounds 20]
+    benchmarks/frame_costs.py GRAPH[@SETTING=VALUE,...]... --scene FILE [--size 160x90] [--warm 6] [--rounds 20]
 
 All methods are kept at hand with their history, and render one frame each in every round, so that what else the machine
 does meets all of them. Printed is the device's time of a settled frame, its mean ± one standard error over rounds, the
@@ -21,22 +21,30 @@ def parse(arguments):
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     add = parser.add_argument
-    add("graphs", nargs="+", metavar="GRAPH", help="graph files, with knobs as for scripts/compare.py")
+    add(
+        "graphs", nargs="+", metavar="GRAPH", help="graph files, with settings as for scripts/compare.py, but no output"
+    )
     add("--scene", required=True, help="a .glb or .gltf file")
     add("--size", type=program.size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
-    add("--bounces", type=program.bounces, metavar="N", help="bounce cap (the graphs' own)")
+    add("--bounces", type=program.bounces, metavar="N", help="bounce cap (the scene's, or the graphs' own)")
     add("--warm", type=program.positive, default=6, metavar="N", help="frames of each before the first round (6)")
-    add("--rounds", type=program.positive, default=20, metavar="N", help="rounds (20)")
+    add("--rounds", type=program.whole(2), default=20, metavar="N", help="rounds, two or more (20)")
     add("--csv", metavar="FILE", help="where the times are written")
     return parser.parse_args(arguments)
 
 
 def settled(method, scene, options):
     """A renderer of the method with its history."""
-    graph = restirpg.load_graph(method.graph)
-    renderer = restirpg.Renderer(scene, graph, size=options.size, seed=1, bounces=options.bounces)
-    for knob, value in method.knobs:
-        (renderer.set if "." in knob else renderer.set_everywhere)(knob, value)
+    renderer = restirpg.Renderer(
+        scene,
+        restirpg.load_graph(method.graph),
+        size=options.size,
+        seed=1,
+        bounces=options.bounces,
+        device=method.device,
+        backend=method.backend,
+    )
+    render.apply_knobs(renderer, method.knobs, method.graph)
     renderer.render(options.warm)
     return renderer
 
@@ -59,7 +67,9 @@ def told(label, rounds, baseline):
 
 def measure(options):
     """Measure and print. Returns the exit code."""
-    methods = [jobs.parse_method(text) for text in options.graphs]
+    methods = [jobs.parse_method(text, useless=("output",)) for text in options.graphs]
+    if options.csv:
+        files.prepare(options.csv, [options.scene, *(method.graph for method in methods)], "--csv")
     scene = restirpg.load_scene(options.scene)
     renderers = [settled(method, scene, options) for method in methods]
     times = [[] for _ in methods]

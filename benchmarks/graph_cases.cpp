@@ -4,6 +4,8 @@
 #include "render/bounce_cap.h"
 #include "render/renderer.h"
 
+#include <fmt/format.h>
+
 namespace restirpg::bench {
 namespace {
 
@@ -12,10 +14,11 @@ struct GraphCase {
     Size size;
     uint32_t seed;
 
-    std::string name() const
+    /// Of the renderer, which two files of one name do not share.
+    std::string key() const
     {
-        using Path = std::filesystem::path;
-        return "graph/" + Path(graph).stem().string() + "/" + Path(scene).stem().string() + "/" + size.text() + "/" +
+        using std::filesystem::weakly_canonical;
+        return weakly_canonical(graph).string() + '\n' + weakly_canonical(scene).string() + '\n' + size.text() + '\n' +
                backend;
     }
 };
@@ -37,7 +40,7 @@ std::shared_ptr<Renderer> makeRenderer(const GraphCase& c)
 
 void runGraph(benchmark::State& state, const GraphCase& c)
 {
-    auto& renderer = keep<Renderer>(c.name(), [&] { return makeRenderer(c); });
+    auto& renderer = keep<Renderer>(c.key(), [&] { return makeRenderer(c); });
     std::map<std::string, double> passes;
     for (auto _ : state) {
         renderer.render(1);
@@ -62,12 +65,15 @@ void runGraph(benchmark::State& state, const GraphCase& c)
 
 void registerGraphs(const Cases& cases)
 {
+    const auto graphNames = namesOf(cases.graphs), sceneNames = namesOf(cases.scenes);
     for (const auto& graph : cases.graphs)
         for (const auto& scene : cases.scenes)
             for (const auto& size : cases.sizes)
                 for (const auto& backend : cases.backends) {
                     const GraphCase c{graph, scene, backend, cases.device, size, cases.seed};
-                    add(c.name(), [c](benchmark::State& state) { runGraph(state, c); });
+                    add(fmt::format("graph/{}/{}/{}/{}", graphNames.at(graph), sceneNames.at(scene), size.text(),
+                                    backend),
+                        [c](benchmark::State& state) { runGraph(state, c); });
                 }
 }
 

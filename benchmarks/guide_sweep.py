@@ -4,9 +4,9 @@
     benchmarks/guide_sweep.py out/scenes/door_ajar.glb graphs/restir_pt.py \\
         graphs/raw_pt_derevyannykh2022.py@guide.neighbours=4,guide.product=false
 
-Each further argument is a graph of graphs/pipeline.py with knobs. All are rendered with the same seeds and
-compared with the path tracer, the pixel filter off. Columns, each with its standard error over seeds, and its
-change against the first graph, paired by seed:
+Each further argument is a graph of graphs/pipeline.py with settings as for scripts/compare.py, but no output. All are
+rendered with the same seeds and compared with the path tracer, the pixel filter off. Columns, each with its standard
+error over seeds, and its change against the first graph, paired by seed:
     frame       mean MAPE of single frames, from frame --skip + 1 on
     mean        MAPE of the mean of all frames
     candidates  MAPE of the mean of the candidates without any reuse, from frame --skip + 1 on
@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from restirpg.harness import UserError, program, render
+from restirpg.harness.comparison import largest_knob
 from restirpg.harness.guiding import passes_of
 from restirpg.harness.jobs import parse_method
 from restirpg.harness.statistics import luminance, mape_scale, ratio
@@ -35,29 +36,28 @@ def parse():
     layout = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=layout)
     parser.add_argument("scene")
-    parser.add_argument("graphs", nargs="+", metavar="GRAPH[@KNOB=VALUE,...]")
+    parser.add_argument("graphs", nargs="+", metavar="GRAPH[@SETTING=VALUE,...]")
     parser.add_argument("--size", type=program.size, default=(96, 54), help="pixels (96x54)")
-    parser.add_argument("--bounces", type=program.bounces, default=4, help="(%(default)s)")
-    for name, number in (("frames", 24), ("skip", 8), ("seeds", 4), ("reference-frames", 3000)):
-        parser.add_argument(
-            f"--{name}", type=program.whole(0 if name == "skip" else 1), default=number, help="(%(default)s)"
-        )
+    parser.add_argument("--bounces", type=program.bounces, help="bounce cap (the scene's, or the graphs' own)")
+    for name, number, least in (("frames", 24, 1), ("skip", 8, 0), ("seeds", 4, 2), ("reference-frames", 3000, 1)):
+        parser.add_argument(f"--{name}", type=program.whole(least), default=number, help="(%(default)s)")
     return parser.parse_args()
 
 
-def make_renderer(arguments, scene, graph):
+def make_renderer(arguments, scene, graph, **options):
     """A renderer of one graph at the sweep's bounce cap."""
     import restirpg
 
-    return restirpg.Renderer(scene, graph, size=arguments.size, bounces=arguments.bounces)
+    return restirpg.Renderer(scene, graph, size=arguments.size, bounces=arguments.bounces, **options)
 
 
-def make_reference(arguments, scene):
-    """The path tracer's picture, float32 (H, W, 3), through pixel centres."""
+def make_reference(arguments, scene, cap):
+    """The path tracer's picture at a bounce cap, float32 (H, W, 3), through pixel centres."""
     import restirpg
 
     renderer = make_renderer(arguments, scene, restirpg.load_graph(GRAPHS / "path_tracer.py"))
     renderer.set("gbuffer.jitter", False)
+    renderer.set("paths.bounces", cap)
     renderer.seed = 987654
     renderer.cut()
     renderer.render(arguments.reference_frames)
@@ -91,10 +91,28 @@ def make_graph(file):
 
 def make_method(arguments, scene, method):
     """A renderer of a jobs.Method that shows the parts of each frame."""
-    renderer = make_renderer(arguments, scene, make_graph(method.graph))
-    for knob, value in method.knobs:
-        renderer.set(knob, value)
+    graph = make_graph(method.graph)
+    renderer = make_renderer(arguments, scene, graph, device=method.device, backend=method.backend)
+    render.apply_knobs(renderer, method.knobs, method.graph)
     return renderer
+
+
+def bounce_cap(arguments, scene, methods):
+    """Of the reference: the sweep's, the scene's, or the largest of the methods'. Each method is made once, so that a mistake
+    in the last of them is told before the reference is rendered."""
+    caps = {}
+    for method in methods:
+        with make_method(arguments, scene, method) as renderer:
+            caps[method.label] = largest_knob(renderer.knobs(), "bounces")
+    asked = scene.bounce_cap if arguments.bounces is None else arguments.bounces
+    cap = max(caps.values()) if asked is None else asked
+    for label, own in caps.items():
+        if own != cap:
+            print(
+                f"{label}: its bounce cap is {own}, the reference's {cap}: the difference counts as error",
+                file=sys.stderr,
+            )
+    return cap
 
 
 def errors_of_run(arguments, renderer, seed, reference):
@@ -134,17 +152,17 @@ def sweep(arguments):
     """Print one line a graph."""
     import restirpg
 
-    methods = [parse_method(text) for text in arguments.graphs]
+    methods = [parse_method(text, useless=("output",)) for text in arguments.graphs]
     scene = restirpg.load_scene(arguments.scene)
-    reference = make_reference(arguments, scene)
+    reference = make_reference(arguments, scene, bounce_cap(arguments, scene, methods))
     first = None
-    for text, method in zip(arguments.graphs, methods):
+    for method in methods:
         renderer = make_method(arguments, scene, method)
         errors = np.array(
             [errors_of_run(arguments, renderer, 7919 * (i + 1), reference) for i in range(arguments.seeds)]
         )
         first = errors if first is None else first
-        print(f"{text}: {', '.join(describe(errors, first))}", flush=True)
+        print(f"{method.label}: {', '.join(describe(errors, first))}", flush=True)
 
 
 def main():

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Measure every file of ../shared/inputs and write benchmarks/results/inputs: README.md and inputs.csv.
 
     PYTHONPATH=build/python:tests/python benchmarks/inputs_table.py
@@ -8,11 +8,13 @@ tests/python/test_shared_inputs.py tests. Exit code 1 when a row is wrong.
 """
 
 import csv
+import io
 import sys
 from pathlib import Path
 
 from shared_inputs import Fault, Refused, is_right, measure, rows, shared_folder
 
+from restirpg.harness import files
 from restirpg.harness.report import commit
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -65,11 +67,12 @@ def main():
         lines.append("| " + " | ".join(cell.replace("|", " or ") for cell in line) + " |")
         print(*lines[-1:], flush=True)
     head = HEAD.format(commit=commit(), right=len(lines) - wrong, all=len(lines))
-    (RESULTS / "README.md").write_text(head + "\n".join(lines) + "\n")
-    with (RESULTS / "inputs.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("input", "quantity", "exact", "source", "before", "after", "verdict"))
-        writer.writerows(table)
+    files.write(RESULTS / "README.md", head + "\n".join(lines) + "\n")
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(("input", "quantity", "exact", "source", "before", "after", "verdict"))
+    writer.writerows(table)
+    files.write(RESULTS / "inputs.csv", stream.getvalue())
     return 1 if wrong else 0
 
 

@@ -90,8 +90,13 @@ def numbers_in(folder):
         elif file.name in ("runs.csv", "table_1.csv"):
             with open(file, newline="") as stream:
                 rows = list(csv.DictReader(stream))
-            found[name] = [{key: value for key, value in row.items() if not key.endswith("_ms")} for row in rows]
+            found[name] = [{key: value for key, value in row.items() if "_ms" not in key} for row in rows]
     return found
+
+
+def unfinished_in(folder):
+    """Names of what was being written, by Python or by C++, when a program was killed."""
+    return sorted(file.name for name in ("*.part", ".restirpg-*.tmp") for file in folder.rglob(name))
 
 
 @dataclass
@@ -167,7 +172,7 @@ def torture(command_for, folder, kills, draws, numbers, environment):
         elif (found := numbers(own)) != right:
             differing = sorted(name for name in right.keys() | found.keys() if right.get(name) != found.get(name))
             outcome.wrong.append(f"round {outcome.rounds}: {', '.join(differing)} differ")
-        elif parts := [part.name for part in own.rglob("*.part")]:
+        elif parts := unfinished_in(own):
             outcome.wrong.append(f"round {outcome.rounds}: left {', '.join(parts)}")
         else:
             shutil.rmtree(own)
@@ -191,11 +196,16 @@ def main(arguments):
 
     def body(_):
         render.find_package()
+        if options.markdown:
+            files.prepare(options.markdown, [], "--markdown")
         out = Path(tempfile.mkdtemp(prefix="restirpg-kills-"))
         scene = scenes.file_of("cornell_box", out)
 
         def environment(folder):
-            return {**os.environ, "RESTIRPG_CACHE_DIR": str((out if options.warm else folder) / "kernels")}
+            # Not in the folder: what a kill leaves unfinished there stays until another kernel is written, which may be
+            # never.
+            own = "warm" if options.warm else folder.relative_to(out)
+            return {**os.environ, "RESTIRPG_CACHE_DIR": str(out / "kernels" / own)}
 
         lines = [
             "| program | undisturbed | files compared | kills | rounds | rounds that differ or fail |",

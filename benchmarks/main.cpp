@@ -9,10 +9,16 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <string_view>
 
 namespace restirpg::bench {
 namespace {
+
+constexpr std::string_view OUT = "--benchmark_out=";
 
 Size parseSize(const std::string& text)
 {
@@ -48,9 +54,23 @@ void handToBenchmark(std::vector<std::string> rest, char* program)
         arguments.push_back(argument.data());
     int count = int(arguments.size());
     arguments.push_back(nullptr);
-    benchmark::Initialize(&count, arguments.data());
+    benchmark::Initialize(&count, arguments.data(), [] {  // it would end with 0
+        fail("a flag of Google Benchmark has a value that it does not take: formats are console, json and csv, "
+             "--benchmark_time_unit is ns, us, ms or s");
+    });
     if (count > 1)
         fail("'{}' is no option; --help lists them", arguments[1]);
+}
+
+/// Where the results cannot be written, Google Benchmark would end with 1.
+void checkOutput(const std::string& file)
+{
+    std::error_code ignored;
+    const bool there = std::filesystem::exists(file, ignored);
+    if (!std::ofstream(file, std::ios::app))
+        fail("--benchmark_out: {}: cannot be written: {}; name another file", file, std::strerror(errno));
+    if (!there)
+        std::filesystem::remove(file, ignored);
 }
 
 int run(int argc, char** argv)
@@ -91,6 +111,9 @@ int run(int argc, char** argv)
     registerGraphs(cases);
     registerTracing(cases);
     registerBsdfs(cases);
+    for (const auto& argument : app.remaining())
+        if (argument.starts_with(OUT))
+            checkOutput(argument.substr(OUT.size()));
     const size_t run = benchmark::RunSpecifiedBenchmarks();  // which says itself that none matched
     benchmark::Shutdown();
     return run == 0 ? 2 : failedCases() == 0 ? 0 : 1;

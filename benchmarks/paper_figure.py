@@ -2,7 +2,8 @@
 """Figure 1 of the paper from a finished scene of scripts/reproduce.py --paper-size: the whole picture, and crops by every
 method.
 
-    benchmarks/paper_figure.py out/paper_size/SCENE --scene SCENE.glb --crop X,Y --crop X,Y [--side 216] [--png FILE]
+    benchmarks/paper_figure.py out/paper_size/SCENE --scene SCENE.glb --bounces N --crop X,Y --crop X,Y
+        [--side 216] [--frames 256] [--png FILE]
 
 Pictures are each method's last frame, errors those of its tiles.csv. The reference is rendered in the crops alone, by
 ReSTIR PG with a seed of its own.
@@ -23,11 +24,12 @@ ROOT = Path(__file__).resolve().parents[1]
 NAMES = {
     "restir_pt": "no guiding",
     "raw_pt_derevyannykh2022": "Derevyannykh 2022",
-    "raw_pt_ruppert2020": "Ruppert et al. 2020",
+    "raw_pt_ruppert2020": "Ruppert 2020",
     "restir_pg": "ReSTIR PG",
     "restir_pg_plus": "ReSTIR PG+",
 }
 SHOWN = "restir_pg"  # as the whole picture
+MEASURED = "MAPE in tiles of the whole picture"
 
 
 def corner(text):
@@ -49,7 +51,7 @@ def parse(arguments):
         required=True,
         action="append",
         metavar="X,Y",
-        help="left upper corner of a crop, two in all",
+        help="left upper corner of a crop; give it twice",
     )
     parser.add_argument("--side", type=program.positive, default=216, help="of the crops, in pixels (%(default)s)")
     parser.add_argument("--bounces", type=program.bounces, required=True, help="bounce cap of the reference")
@@ -80,18 +82,21 @@ def render_reference(options, corners, size):
 
 def read_errors(file):
     """{method: its error} of a tiles.csv."""
-    with open(file, newline="") as stream:
-        rows = {row.get("method"): row for row in csv.DictReader(stream)}
+    mend = "name the folder of a scene that scripts/reproduce.py --paper-size has finished"
+    try:
+        with open(file, newline="") as stream:
+            rows = {row.get("method"): row for row in csv.DictReader(stream)}
+    except OSError as error:
+        raise UserError(f"{file}: cannot be read: {error.strerror}; {mend}") from None
     if SHOWN not in rows:
-        raise UserError(
-            f"{file}: no row is of {SHOWN}, whose picture is shown; "
-            "name the folder of a scene that scripts/reproduce.py --paper-size has finished"
-        )
+        raise UserError(f"{file}: no row is of {SHOWN}, whose picture is shown; {mend}")
     return {name: f"{100 * float(row['mape']):.1f} ± {100 * float(row['mape_se']):.1f}%" for name, row in rows.items()}
 
 
 def check_crops(corners, side, size):
-    """Raise UserError where a crop reaches beyond the picture."""
+    """Raise UserError where a crop reaches beyond the picture, or where there are not two."""
+    if len(corners) != 2:
+        raise UserError(f"the figure has two crops, not {len(corners)}; give --crop twice")
     for x, y in corners:
         if x + side > size[0] or y + side > size[1]:
             raise UserError(
@@ -115,8 +120,8 @@ def draw(options):
     whole = next(picture for picture in columns if picture.title == NAMES[SHOWN])
     size = whole.image.shape[1::-1]
     check_crops(corners, options.side, size)
-    columns.append(pictures.Picture("reference", render_reference(options, corners, size), "MAPE"))
-    figure = pictures.teaser(name, pictures.exposure_of(whole.image), (corners, options.side), whole, columns)
+    columns.append(pictures.Picture("reference", render_reference(options, corners, size), ""))
+    figure = pictures.teaser(name, pictures.exposure_of(whole.image), (corners, options.side), whole, columns, MEASURED)
     files.write(options.png, page.Picture("figure", "", figure).png())
     return 0
 

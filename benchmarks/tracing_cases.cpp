@@ -103,15 +103,16 @@ void runDevice(benchmark::State& state, const std::string& scene, const DeviceOp
 
 void registerTracing(const Cases& cases)
 {
+    const auto names = namesOf(cases.scenes);
     for (const auto& scene : cases.scenes) {
-        const std::string stem = std::filesystem::path(scene).stem().string();
+        const std::string& called = names.at(scene);
         for (const auto& [kind, name] : KINDS)
-            add(fmt::format("trace/{}/embree/{}", name, stem),
+            add(fmt::format("trace/{}/embree/{}", name, called),
                 [=, kind = kind](benchmark::State& state) { runEmbree(state, scene, kind); });
         for (const auto& backend : cases.backends) {
             const DeviceOptions options{.device = cases.device, .backend = backend};
             for (const auto& [kind, name] : KINDS)
-                add(fmt::format("trace/{}/{}/{}", name, backend, stem),
+                add(fmt::format("trace/{}/{}/{}", name, backend, called),
                     [=, kind = kind](benchmark::State& state) { runDevice(state, scene, options, kind); });
         }
     }

@@ -13,7 +13,8 @@ def pipeline(
     temporal=True,
     rounds=1,
     train=None,
-    cells="world",
+    guide=None,
+    learn=None,
     splat={},
     fit={},
     reuse={},
@@ -24,40 +25,38 @@ def pipeline(
     """The graph.
 
     temporal, rounds: reuse over frames, and rounds of reuse over pixels, for direct and indirect light alike.
-    train: what the guide of the initial paths learns from, if there is one: "selected", the paths that resampling has
-    selected; "temporal", those that a resampling over frames alone would have selected, done beside it; "candidates",
-    those it chose from; "raw", all bounces of the candidates' path trees, weighted by the light that came back. cells:
-    what the guide is: "world", mixtures in the hash grid; "screen", a lobe per pixel; "chains", Markov chains in the
-    hash grid. The last two learn from "raw" alone. splat, fit: knobs of the guide's passes; only "world" has a splat.
+    train: what the guide of the hash grid learns from, if the paths have that guide: "selected", the paths that
+    resampling has selected; "temporal", those that a resampling over frames alone would have selected, done beside it;
+    "candidates", those it chose from; "raw", all bounces of the candidates' path trees, weighted by the light that came
+    back. splat, fit: knobs of that guide's passes.
+    guide: another guide in its place: its port, or a function that adds its pass and returns the port. The function is
+    given the graph and the ports that reuse over frames reads, as keyword arguments of Graph.add. learn: a function of
+    the graph and the pass `paths`, if the guide learns behind the paths.
     reuse: knobs of the resampling of paths. trees: path trees per pixel, of which one path is resampled.
     guided_bounces: bounces from the primary hit on that the guide draws, and learns from. show: "resampled", or
     "candidates": the indirect light of the initial paths alone, guided if there is a guide.
     """
-    if cells != "world" and train != "raw":
-        raise ValueError(f'a guide of cells={cells!r} learns from train="raw" alone, not from {train!r}')
+    if train and guide:
+        raise ValueError("train is for the guide of the hash grid; with another guide, leave it out")
     g = Graph(name)
     gbuffer = g.add("gbuffer", "GBuffer", jitter=False)
-    before = {"motion": gbuffer.motion, "previous_surface": prev("gbuffer.surface")}
+    before = {
+        "surface": gbuffer.surface,
+        "motion": gbuffer.motion,
+        "previous_surface": prev("gbuffer.surface"),
+    }
     direct = g.add(
         "direct",
         "ReSTIRDI",
-        surface=gbuffer.surface,
         history=prev("direct.reservoirs"),
         temporal=temporal,
         rounds=rounds,
         **before,
     )
-    guide = prev("guide.guide" if cells == "chains" else "fit.guide") if train else None
-    if cells == "screen":
-        guide = g.add(
-            "guide",
-            "GuidingScreen",
-            surface=gbuffer.surface,
-            samples=prev("paths.samples"),
-            history=prev("guide.statistics"),
-            **before,
-            **fit,
-        ).guide
+    if train:
+        guide = prev("fit.guide")
+    elif callable(guide):
+        guide = guide(g, before)
     paths = g.add(
         "paths",
         "PathTracerGuided",
@@ -73,7 +72,6 @@ def pipeline(
         return g.add(
             name,
             "ReSTIRReuse",
-            surface=gbuffer.surface,
             candidates=paths.candidates,
             history=prev(f"{name}.reservoirs"),
             **knobs,
@@ -82,9 +80,9 @@ def pipeline(
         )
 
     resampled = resample("reuse", train == "selected", temporal=temporal, rounds=rounds, **reuse)
-    if cells == "chains":
-        g.add("guide", "GuidingChain", samples=paths.samples, history=prev("guide.guide"), **fit)
-    elif train and cells == "world":
+    if learn:
+        learn(g, paths)
+    if train:
         lessons = {
             "selected": lambda: {"vertices": resampled.vertices},
             "candidates": lambda: {"vertices": paths.vertices},

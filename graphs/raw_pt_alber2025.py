@@ -6,4 +6,12 @@ is a lobe aimed at a point.
 
 from pipeline import pipeline
 
-graph = pipeline("Alber 2025 on raw samples", train="raw", cells="chains")
+from restirpg import prev
+
+
+def chains(g, paths):
+    """The guide, for the next frame."""
+    g.add("guide", "GuidingChain", samples=paths.samples, history=prev("guide.guide"))
+
+
+graph = pipeline("Alber 2025 on raw samples", guide=prev("guide.guide"), learn=chains)

@@ -6,6 +6,13 @@ hit. The settings are the best of benchmarks/results/derevyannykh2022_sweep.
 
 from pipeline import pipeline
 
-graph = pipeline(
-    "Derevyannykh 2022 on raw samples", train="raw", cells="screen", fit={"product": True, "neighbours": 24}
-)
+from restirpg import prev
+
+
+def lobes(g, before):
+    """The guide: it learns from the samples of the frame before."""
+    history = {"samples": prev("paths.samples"), "history": prev("guide.statistics")}
+    return g.add("guide", "GuidingScreen", product=True, neighbours=24, **history, **before).guide
+
+
+graph = pipeline("Derevyannykh 2022 on raw samples", guide=lobes)

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Tests gltf_bsdf.py by itself: chi-square tests of its sampling, and its furnaces against the renderer's closed forms.
 
 Run by the Python that has Mitsuba, without arguments. Exit code 1 when something is wrong.

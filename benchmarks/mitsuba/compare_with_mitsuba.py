@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Compare the path tracer with Mitsuba 3: block means of independent runs, tested for equality.
 
     compare_with_mitsuba.py SCENE.glb ... --mitsuba-python VENV/bin/python [--materials gltf|diffuse|converter]

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Error over wall time, ours against Mitsuba 3's `path`: whole processes, start, loading and compiling included.
 
     error_over_time.py SCENE.glb --size 160x90 --bounces 4 --mitsuba-python VENV/bin/python --csv FILE
@@ -17,7 +17,6 @@ the CSV file has already are not made again: with other references, give another
 """
 
 import argparse
-import csv
 import hashlib
 import os
 import subprocess
@@ -26,6 +25,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from finished_rows import append_row, read_rows
 from gltf_edits import environment_of, read_glb
 
 import restirpg
@@ -97,26 +97,12 @@ def measure(scene, options):
     runs = [run for run in runs if tuple(map(str, run)) not in finished]
     for method in dict.fromkeys(run[1] for run in runs):
         render(method, scene, 2, 0, options.references / "warm.exr", options)
-    new = not options.csv.is_file()
-    with options.csv.open("a", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        if new:
-            writer.writerow(COLUMNS)
-        for run in runs:
-            _, method, *_, samples, seed = run
-            file = options.references / "run.exr"
-            seconds = render(method, scene, samples, seed, file, options)
-            mape = mape_of(read_image(file), references[MITSUBA if method == MITSUBA else PATH_TRACER])
-            writer.writerow((*run, f"{seconds:.3f}", f"{mape:.5f}"))
-            stream.flush()
-
-
-def read_rows(path):
-    """The rows of the CSV file so far."""
-    if not path.is_file():
-        return []
-    with path.open(newline="") as stream:
-        return list(csv.DictReader(stream))
+    for run in runs:
+        _, method, *_, samples, seed = run
+        file = options.references / "run.exr"
+        seconds = render(method, scene, samples, seed, file, options)
+        mape = mape_of(read_image(file), references[MITSUBA if method == MITSUBA else PATH_TRACER])
+        append_row(options.csv, COLUMNS, (*run, f"{seconds:.3f}", f"{mape:.5f}"))
 
 
 def print_tables(path):

@@ -19,15 +19,18 @@ def read_glb(path):
 
 def write_glb(path, document, binary):
     """Write a .glb file from its JSON document and binary chunk; returns `path`."""
+    from restirpg.harness import files  # Mitsuba's Python, which has not this package, reads alone
+
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     binary += b"\0" * (-len(binary) % 4)
-    path.write_bytes(
+    files.write(
+        path,
         struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(binary))
         + struct.pack("<I4s", len(text), b"JSON")
         + text
         + struct.pack("<I4s", len(binary), b"BIN\0")
-        + binary
+        + binary,
     )
     return path
 

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Image means of scenes with their own materials, ours against Mitsuba's, seed by seed; the table behind
 results/mitsuba.
 
@@ -13,7 +13,6 @@ sample implementation, from which the renderer deviates (head of bsdf_model.glsl
 """
 
 import argparse
-import csv
 import sys
 import tempfile
 import time
@@ -21,40 +20,40 @@ from pathlib import Path
 
 import numpy as np
 from compare_with_mitsuba import ROOT, prepare, render_mitsuba, render_ours
+from finished_rows import append_row, read_rows
 
 from restirpg.harness import program
 from restirpg.harness.render import find_package, refusals
 
-COLUMNS = ("scene", "renderer", "seed", "width", "height", "bounces", "samples", "r", "g", "b", "seconds")
+#: What tells runs apart; a file from before the last two were noted has none of them.
+KEY = ("scene", "renderer", "seed", "width", "height", "bounces", "samples", "environment", "backend")
+COLUMNS = (*KEY, "r", "g", "b", "seconds")
 HEADER = (
     "| scene | cap | runs and paths, ours | Mitsuba | image mean, ours | Mitsuba | ours / Mitsuba "
     "| ours / literal glTF |\n" + "| --- " * 8 + "|"
 )
 
 
-def read_rows(path):
-    """The rows of the CSV file so far."""
-    if not path.is_file():
-        return []
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def append_row(path, row):
-    """Add one run."""
-    new = not path.is_file()
-    with path.open("a", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        if new:
-            writer.writeheader()
-        writer.writerow(row)
+def key_of(path, renderer, seed, options):
+    """The columns KEY of a run, "" where there is nothing to be said. Mitsuba has no back ends."""
+    ours = renderer == "ours"
+    samples, backend = (options.frames, options.backend) if ours else (options.samples, None)
+    return (
+        path.stem,
+        renderer,
+        seed,
+        *options.size,
+        options.bounces,
+        samples,
+        options.environment or "",
+        backend or "",
+    )
 
 
 def is_finished(path, renderer, seed, options):
     """Is this run in the CSV file already?"""
-    samples = options.frames if renderer == "ours" else options.samples
-    run = tuple(map(str, (path.stem, renderer, seed, *options.size, options.bounces, samples)))
-    return run in {tuple(row[name] for name in COLUMNS[:7]) for row in read_rows(options.csv)}
+    run = tuple(map(str, key_of(path, renderer, seed, options)))
+    return run in {tuple(row.get(name, "") for name in KEY) for row in read_rows(options.csv)}
 
 
 def run_seed(path, renderer, seed, options):
@@ -65,22 +64,17 @@ def run_seed(path, renderer, seed, options):
         scene_file, environment = prepare(path, folder, options)
         start = time.monotonic()
         if renderer == "ours":
-            samples, runs = options.frames, render_ours(scene_file, environment, options)
+            runs = render_ours(scene_file, environment, options)
         else:
             options.materials = "literal" if renderer == "literal" else "gltf"
-            samples, runs = options.samples, render_mitsuba(scene_file, environment, folder, options)
+            runs = render_mitsuba(scene_file, environment, folder, options)
     mean = runs[0].mean(axis=(0, 1), dtype=float)
     row = (
-        path.stem,
-        renderer,
-        seed,
-        *options.size,
-        options.bounces,
-        samples,
+        *key_of(path, renderer, seed, options),
         *(f"{value:.7g}" for value in mean),
         f"{time.monotonic() - start:.1f}",
     )
-    append_row(options.csv, dict(zip(COLUMNS, row)))
+    append_row(options.csv, COLUMNS, row)
     print(path.stem, renderer, seed, mean.mean(), flush=True)
 
 
@@ -108,10 +102,14 @@ def paths(rows):
 
 
 def print_table(rows):
-    """One row a scene and cap that has two runs of each renderer or more, whatever their sizes."""
+    """One row a scene, environment and cap with two runs of each renderer or more, of whatever size and back end."""
     print(HEADER)
-    for scene, bounces in dict.fromkeys((row["scene"], row["bounces"]) for row in rows):
-        chosen = [row for row in rows if (row["scene"], row["bounces"]) == (scene, bounces)]
+
+    def shown(row):
+        return ", ".join(filter(None, [row["scene"], row.get("environment")])), row["bounces"]
+
+    for scene, bounces in dict.fromkeys(map(shown, rows)):
+        chosen = [row for row in rows if shown(row) == (scene, bounces)]
         ours, theirs = ([row for row in chosen if row["renderer"] == name] for name in ("ours", "mitsuba"))
         if min(len(ours), len(theirs)) < 2:
             continue

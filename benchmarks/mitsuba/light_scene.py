@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Write lights.glb: a Lambert room lit by a textured emitter, a point, a directional and a spot light.
 
     light_scene.py FOLDER

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Albedo of Mitsuba's `principled` in a furnace: a sphere under constant radiance 1, one bounce.
 
 Run by the Python that has Mitsuba. Prints the albedo a row of roughness and base colour: over the whole sphere, seen

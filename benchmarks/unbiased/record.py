@@ -21,7 +21,8 @@ from pathlib import Path
 from report import as_json, as_markdown, findings_of
 from runs import Case, MethodRuns, ReferenceBatches
 
-from restirpg.harness import files, program, render, scenes
+from restirpg.harness import UserError, files, program, render, scenes
+from restirpg.harness.comparison import largest_knob
 from restirpg.harness.jobs import parse_method
 from restirpg.harness.motion import Motion
 from restirpg.harness.unbiased import compare
@@ -88,6 +89,13 @@ def parse(arguments):
     return parser.parse_args(arguments)
 
 
+def check_blocks(size, block):
+    """Raise UserError where blocks would leave a part of the picture out."""
+    if any(edge % block for edge in size):
+        width, height = size
+        raise UserError(f"--block {block}: {width}x{height} pixels are no whole blocks; choose multiples for --size")
+
+
 def grow(what, source, count, deadline):
     """Render until there are `count` samples, or until the time is up, but never fewer than two."""
     at_first = len(source.samples)
@@ -111,7 +119,7 @@ def record(options):
         Motion(options.circle, options.fps),
     )
     method = MethodRuns(case, options.out)
-    bounces = method.renderer.get("paths.bounces")
+    bounces = largest_knob(method.renderer.knobs(), "bounces")
     references, samples = {}, []
     for k in case.frames:
         pose = case.motion.pose(k)
@@ -141,6 +149,7 @@ def main(arguments):
 
     def body(_):
         render.find_package()
+        check_blocks(options.size, options.block)
         for file, option in ((options.markdown, "--markdown"), (options.json, "--json")):
             if file:
                 files.prepare(file, [options.scene, options.method.partition("@")[0]], option)

@@ -14,7 +14,7 @@ def findings_of(method, bounces, invalid, verdicts, reference_samples, block):
         rows[k] = {
             "ratio": 1 + verdict.image.difference,
             "standard_error": verdict.image.se,
-            "image_z": verdict.image.difference / verdict.image.se if verdict.image.se > 0 else 0.0,
+            "image_z": verdict.image.difference / verdict.image.se,
             "image_p": verdict.image.p,
             "detectable_image": verdict.detectable,
             "largest_z": float(np.abs(verdict.z).max()),

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from restirpg.harness import UserError
+from restirpg.harness import UserError, files
 from restirpg.harness.jobs import digest
 from restirpg.harness.render import ROOT
 
@@ -39,7 +39,7 @@ class Samples:
             raise UserError(f"{self.folder}: another process records the same; wait for its end") from None
         except OSError as error:
             raise UserError(f"{folder}: {error.strerror}; choose another --out") from None
-        (self.folder / "identity.json").write_text(json.dumps(identity, indent=1, sort_keys=True))
+        files.write(self.folder / "identity.json", json.dumps(identity, indent=1, sort_keys=True))
         self._bytes = 4 * int(np.prod(self.shape))
         self._file.truncate(len(self) * self._bytes)
 
@@ -59,10 +59,9 @@ class Samples:
 
     def note_session(self):
         """Write down which commit renders the runs from here on."""
-        path = self.folder / "sessions.json"
         sessions = self.sessions()
         sessions.append({"first_run": len(self), "commit": commit(), "date": time.strftime("%Y-%m-%d")})
-        path.write_text(json.dumps(sessions, indent=1))
+        files.write(self.folder / "sessions.json", json.dumps(sessions, indent=1))
 
     def sessions(self):
         """Which commits rendered the runs: [{first_run, commit, date}]."""

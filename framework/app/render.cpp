@@ -132,8 +132,8 @@ void checkPicture(const GraphOutput& output, uint32_t channels, const RenderOpti
 /// The output that is the picture: the user's first, else the graph's. Outputs that no image file can hold are named.
 std::string chooseOutput(Graph& graph, RenderOptions& options)
 {
-    for (auto& name : options.outputs)
-        name = graph.addOutput(name);
+    for (const auto& name : options.outputs)
+        graph.addOutput(name);
     std::vector<std::string> images;
     for (const auto& output : graph.outputs())
         if (portOf(graph, output).type.channels > 0)
@@ -166,6 +166,61 @@ Image readReference(const RenderOptions& options)
              renderer.window ? "render a --window"
                              : fmt::format("render with --size {}x{}", reference.width, reference.height));
     return reference;
+}
+
+using Header = std::map<std::string, std::string>;
+
+/// An attribute, or what stands for one that is not there.
+std::string attribute(const Header& header, const std::string& name, const std::string& otherwise = "")
+{
+    const auto found = header.find("restirpg." + name);
+    return found == header.end() ? otherwise : found->second;
+}
+
+/// Refuses pixels of another picture, or other pixels of it.
+void checkReferencePixels(const RenderOptions& options, const Header& header)
+{
+    const auto& asked = options.renderer;
+    const Window seen = asked.window.value_or(Window{0, 0, asked.width, asked.height});
+    const std::string size = fmt::format("{}x{}", asked.width, asked.height);
+    const std::string window = fmt::format("{},{},{},{}", seen.x, seen.y, seen.width, seen.height);
+    const std::string ownSize = attribute(header, "size", size), ownWindow = attribute(header, "window", window);
+    if (ownSize != size || ownWindow != window)
+        fail("{}: this reference is of other pixels ({} of a picture of {}; here it is {} of {}); give one that was "
+             "rendered with the same --size and --window, or leave out --reference",
+             options.reference, ownWindow, ownSize, window, size);
+}
+
+/// Two files of one name may differ, and one file may have two names: where both have a hash, that decides.
+void warnOfEnvironment(const RenderOptions& options, const Header& header, const Scene& scene)
+{
+    const auto here = scene.givenEnvironment.value_or(GivenEnvironment{});
+    const GivenEnvironment own{attribute(header, "environment"), attribute(header, "environmentHash")};
+    const bool same = own.hash.empty() || here.hash.empty() ? own.name == escaped(here.name) : own.hash == here.hash;
+    const auto shown = [](const GivenEnvironment& given) {
+        if (given.name.empty())
+            return std::string("that of the scene");
+        return given.hash.empty() ? given.name : fmt::format("{} (hash {})", given.name, given.hash);
+    };
+    if (!same)
+        warn("{}: its environment is {}, here it is {}: the difference counts as error", options.reference, shown(own),
+             shown(here));
+}
+
+/// What the header says is compared with what is rendered; of what it does not say nothing is known.
+void checkReferenceHeader(const RenderOptions& options, const Scene& scene)
+{
+    if (options.reference.empty())
+        return;
+    const auto header = readExrAttributes(options.reference);
+    const auto hash = attribute(header, "sceneHash", scene.hash);
+    if (hash != scene.hash)
+        fail("{}: this reference is of another scene, or of another version of it ({}, hash {}; here it is {}); give "
+             "one that was rendered of this scene, or leave out --reference",
+             options.reference, attribute(header, "scene", "unnamed"), hash, scene.hash);
+    checkReferencePixels(options, header);
+    if (header.contains("restirpg.sceneHash"))
+        warnOfEnvironment(options, header, scene);
 }
 
 void writeFiles(Renderer& renderer, const RenderOptions& options, const std::string& shown)
@@ -257,6 +312,7 @@ void render(RenderOptions& options)
     const std::string shown = chooseOutput(*graph, options);
     const Image reference = readReference(options);
     const auto scene = loadScene(options);
+    checkReferenceHeader(options, *scene);
     setKnobs(*graph, options, *scene);
     for (const auto& file : {options.exr, options.png})
         refuseInput(file, inputsOf(options, *graph, *scene));
@@ -306,7 +362,7 @@ void addInputOptions(CLI::App& command, RenderOptions& options)
     command.add_option("--fps", options.renderer.framesPerSecond,
                        "Frames per second of scene time; 0: the scene stands still");
     command.add_option("--bounces", options.bounces,
-                       "Bounce cap of every pass that has one (default: the scene's own)");
+                       "Bounce cap of every pass that has one (default: the scene's, or the graph's own)");
     command.add_flag("--energy-compensation", options.renderer.energyCompensation,
                      "Rough metal and glass give back the light that single-scattering GGX loses");
     command.add_option("--set", options.knobs, "Set a knob: PASS.KNOB=VALUE; may be repeated")->allow_extra_args(false);

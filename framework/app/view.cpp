@@ -15,19 +15,15 @@ namespace {
 
 [[noreturn]] void runViewer(const std::vector<std::string>& arguments)
 {
-    const std::string python = pythonInterpreter().string();
-    std::string modules = pythonFolder().string();
-    if (const char* inherited = std::getenv("PYTHONPATH"))
-        modules += std::string(":") + inherited;
-    setenv("PYTHONPATH", modules.c_str(), 1);
-    std::vector<std::string> command = {python, "-m", "restirpg.viewer"};
+    setenv("PYTHONPATH", pythonPath().c_str(), 1);
+    auto command = pythonModule("restirpg.viewer");
     command.insert(command.end(), arguments.begin(), arguments.end());
     std::vector<char*> words;
     for (std::string& word : command)
         words.push_back(word.data());
     words.push_back(nullptr);
     execvp(words[0], words.data());
-    fail("{}: cannot be started: {}; RESTIRPG_PYTHON names the interpreter", python, std::strerror(errno));
+    fail("{}: cannot be started: {}; RESTIRPG_PYTHON names the interpreter", command.front(), std::strerror(errno));
 }
 
 }  // namespace

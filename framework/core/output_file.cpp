@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <climits>
 #include <csignal>
 #include <cstring>
 #include <ctime>
@@ -55,14 +57,45 @@ fs::path withoutLinks(fs::path file)
     return file;
 }
 
-/// Opens a new file in the folder; -1 where it cannot. A process of another container or host may have our number, so
-/// a name that is taken is passed over.
+/// What the names of this machine's temporary files begin with; after it stand the process and a number.
+std::string temporaryPrefix()
+{
+    char host[HOST_NAME_MAX + 1] = {};
+    gethostname(host, HOST_NAME_MAX);
+    return fmt::format(".restirpg-{}-", host);
+}
+
+/// Removes what killed processes of this machine left unfinished in the folder.
+void removeAbandoned(const fs::path& folder)
+{
+    const std::string prefix = temporaryPrefix();
+    std::error_code error;
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+        const std::string name = entry->path().filename().string();
+        pid_t process = 0;
+        uint64_t number = 0;
+        if (name.rfind(prefix, 0) != 0)
+            continue;
+        const char* const stop = name.data() + name.size();
+        const auto first = std::from_chars(name.data() + prefix.size(), stop, process);
+        if (first.ec != std::errc() || first.ptr == stop || *first.ptr != '-')
+            continue;
+        const auto second = std::from_chars(first.ptr + 1, stop, number);
+        if (second.ec == std::errc() && std::string_view(second.ptr) == ".tmp" && process > 0 &&
+            kill(process, 0) != 0 && errno == ESRCH)
+            unlink(entry->path().c_str());
+    }
+}
+
+/// Opens a new file in the folder; -1 where it cannot. A process of another container may have our number and the
+/// machine's name, so a name that is taken is passed over.
 int openTemporary(const fs::path& folder, fs::path& file)
 {
     static std::atomic<uint64_t> count = 0;
+    const std::string prefix = temporaryPrefix();
     int descriptor;
     do {
-        file = folder / fmt::format(".restirpg-{}-{}.tmp", getpid(), count++);
+        file = folder / fmt::format("{}{}-{}.tmp", prefix, getpid(), count++);
         descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     } while (descriptor < 0 && errno == EEXIST);
     return descriptor;
@@ -94,6 +127,7 @@ OutputFile::OutputFile(const fs::path& file) : file_(file), target_(withoutLinks
         fail("{}: cannot write: it is a folder; name a file", file.string());
     if (fs::exists(target_, ignored) && !fs::is_regular_file(target_, ignored))
         fail("{}: cannot write: it is a device or a pipe; name a file", file.string());
+    removeAbandoned(folder);
     descriptor_ = openTemporary(folder, temporary_);
     if (descriptor_ < 0)
         failWith(errno);

@@ -96,6 +96,18 @@ fs::path pythonInterpreter()
     return given.empty() ? interpreter() : given;
 }
 
+std::vector<std::string> pythonModule(const std::string& module)
+{
+    return {pythonInterpreter().string(), "-P", "-m", module};
+}
+
+std::string pythonPath()
+{
+    const std::string inherited = environment("PYTHONPATH").string();
+    // An empty entry would be the current folder.
+    return pythonFolder().string() + (inherited.empty() ? "" : ":" + inherited);
+}
+
 fs::path cacheFolder()
 {
     if (auto given = environment("RESTIRPG_CACHE_DIR"); !given.empty())

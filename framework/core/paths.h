@@ -29,6 +29,13 @@ std::filesystem::path pluginFolder(const void* inside, const std::filesystem::pa
 /// one found at configure time.
 std::filesystem::path pythonInterpreter();
 
+/// How that interpreter is started with a module of the package: before the module's own arguments. The current folder,
+/// which may be anybody's, is not on its path: Python would put it before the standard library.
+std::vector<std::string> pythonModule(const std::string& module);
+
+/// What PYTHONPATH has to be then: the package's folder and what is inherited.
+std::string pythonPath();
+
 /// Called by the Python module: this process runs in `program`.
 void setPythonInterpreter(const std::filesystem::path& program);
 

@@ -330,8 +330,7 @@ TriangleBvh buildTriangleBvh(std::span<const SourceTriangle> triangles)
     result.triangles.reserve(bvh.order.size());
     for (uint32_t i : bvh.order) {
         const auto& t = triangles[i];
-        result.triangles.push_back(
-            {t.corners[0], t.corners[1] - t.corners[0], t.corners[2] - t.corners[0], t.instance, t.triangle, 0});
+        result.triangles.push_back({t.corners[0], t.corners[1], t.corners[2], t.instance, t.triangle, 0});
     }
     return result;
 }

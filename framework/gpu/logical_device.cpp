@@ -313,7 +313,8 @@ LogicalDevice::LogicalDevice(const DeviceOptions& options) : validated_(wantsVal
 }
 
 LogicalDevice::LogicalDevice(const LogicalDevice& original)
-    : description_(original.description_), backend_(original.backend_), physical_(original.physical_),
+    : description_(original.description_), backend_(original.backend_),
+      physical_(original.plainInstance_ ? original.plainPhysical_ : original.physical_),
       queueFamily_(original.queueFamily_)
 {
     createDevice(bool(original.shaderObjects_));
@@ -333,6 +334,10 @@ void LogicalDevice::create(const DeviceOptions& options)
         VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
     messenger.pfnUserCallback = onValidationMessage;
     messenger.pUserData = this;
+    if (validated_) {
+        VkDebugUtilsMessengerCreateInfoEXT unused{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+        plainInstance_ = createInstance(false, unused);
+    }
     instance_ = createInstance(validated_, messenger);
     if (validated_)
         check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_),
@@ -345,6 +350,8 @@ void LogicalDevice::create(const DeviceOptions& options)
     const size_t index = chooseDevice(descriptions, options.device);
     description_ = descriptions[index];
     physical_ = devices[index];
+    if (plainInstance_)
+        plainPhysical_ = enumerateDevices(plainInstance_).at(index);
     refuseIncomplete(description_);
     backend_ = chooseBackend(description_, options.backend);
     queueFamily_ = computeQueueFamily(physical_);
@@ -370,8 +377,9 @@ void LogicalDevice::destroy()
     }
     if (messenger_)
         vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
-    if (instance_)
-        vkDestroyInstance(instance_, nullptr);
+    for (VkInstance instance : {instance_, plainInstance_})
+        if (instance)
+            vkDestroyInstance(instance, nullptr);
 }
 
 /// One layout for every kernel: the acceleration structure at binding 0 (ray query only), and MAX_PARAMETER_BYTES of

@@ -54,7 +54,8 @@ public:
     static std::shared_ptr<LogicalDevice> get(const DeviceOptions& options);
 
     explicit LogicalDevice(const DeviceOptions& options);
-    /// Another of the same physical device, without validation; `original` must outlive it.
+    /// Another of the same physical device, without validation; `original` must outlive it. Several threads may make
+    /// and destroy such devices while others use theirs.
     explicit LogicalDevice(const LogicalDevice& original);
     ~LogicalDevice();
     LogicalDevice& operator=(const LogicalDevice&) = delete;
@@ -99,6 +100,10 @@ private:
     VkInstance instance_ = VK_NULL_HANDLE;
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+    // Only of a validated device: the same physical device without the layer. The layer keeps its devices in a table
+    // without a lock (KhronosGroup/Vulkan-ValidationLayers#4391), so threads must not make devices under it.
+    VkInstance plainInstance_ = VK_NULL_HANDLE;
+    VkPhysicalDevice plainPhysical_ = VK_NULL_HANDLE;
     VkDevice device_ = VK_NULL_HANDLE;
     uint32_t queueFamily_ = 0;
     VkQueue queue_ = VK_NULL_HANDLE;

@@ -195,7 +195,8 @@ Spirv compileShader(const fs::path& given, const Defines& defines, const Include
         if (auto words = readCached(cached); !words.empty())
             return words;
     Spirv words = translate(file, preamble, includes);
-    if (!cached.empty())
+    // Where a file was edited in between, these words are not those of the contents that the name stands for.
+    if (!cached.empty() && cachedFile(file, preamble, includes) == cached)
         writeCacheFile(cached, std::as_bytes(std::span(words)));
     return words;
 }

@@ -132,8 +132,10 @@ std::optional<DescribedOutput> parseOutput(const json& object, size_t index, Rea
         return std::nullopt;
     }
     const Location where = reader.location(object);
-    const auto name = reader.identifier(object, "name", where, what);
     const auto port = reader.port(object, where, what);
+    // An output may be called as the port that it shows: so are those that are asked for beside the graph's.
+    const std::string path = port ? port->pass + "." + port->output : "";
+    const auto name = object.value("name", json()) == path ? path : reader.identifier(object, "name", where, what);
     if (!name || !port)
         return std::nullopt;
     if (port->delayed) {

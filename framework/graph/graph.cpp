@@ -100,13 +100,13 @@ void Graph::plan()
     connectPorts();
 }
 
-std::string Graph::addOutput(const std::string& name)
+void Graph::addOutput(const std::string& name)
 {
     std::vector<std::string> names;
     for (const auto& output : outputs_)
         names.push_back(output.name);
     if (std::find(names.begin(), names.end(), name) != names.end())
-        return name;
+        return;
     std::vector<GraphOutput> found;
     std::vector<std::string> others;  // of passes that run
     for (uint32_t p = 0; p < passes_.size(); ++p)
@@ -126,16 +126,12 @@ std::string Graph::addOutput(const std::string& name)
             paths.push_back(passes_[output.pass].name + "." + output.name);
         fail("graph '{}' has several ports '{}'; name one of: {}", name_, name, fmt::join(paths, ", "));
     }
-    const auto& added = found.front();
-    if (std::find(names.begin(), names.end(), added.name) != names.end())
-        fail("graph '{}' has an output '{}' already, which is not {}; rename the graph's output", name_, added.name,
-             name);
+    GraphOutput added = found.front();
+    description_["outputs"].push_back({{"name", name}, {"pass", passes_[added.pass].name}, {"output", added.name}});
+    added.name = name;
     outputs_.push_back(added);
-    description_["outputs"].push_back(
-        {{"name", added.name}, {"pass", passes_[added.pass].name}, {"output", added.name}});
     plan();
     check();
-    return added.name;
 }
 
 /// Tell the passes which of their ports are wired, and to what.

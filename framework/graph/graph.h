@@ -70,10 +70,10 @@ public:
     const std::vector<GraphPass>& passes() const { return passes_; }
     const std::vector<Edge>& edges() const { return edges_; }
     const std::vector<GraphOutput>& outputs() const { return outputs_; }
-    /// Make the output `name` readable, and return what it is called: one of the graph's outputs, or any port of a
-    /// pass, "pass.port", or "port" where only one pass that runs has it. Before the graph is given to an executor;
-    /// what nobody names here, wires or outputs costs nothing. Throws Error, naming what there is.
-    std::string addOutput(const std::string& name);
+    /// Make the output `name` readable: one of the graph's outputs, or any port of a pass, "pass.port", or "port" where
+    /// only one pass that runs has it. Before the graph is given to an executor; what nobody names here, wires or
+    /// outputs costs nothing. Throws Error, naming what there is.
+    void addOutput(const std::string& name);
     const std::vector<uint32_t>& order() const { return order_; }  ///< live passes in execution order
     const std::vector<PlannedResource>& resources() const { return resources_; }
 

@@ -73,16 +73,16 @@ nlohmann::json parseJson(const std::string& text, const fs::path& file)
 /// What a Python graph file describes, evaluated in a process of its own.
 std::string evaluate(const fs::path& file)
 {
-    std::string modules = pythonFolder().string();
-    if (const char* inherited = std::getenv("PYTHONPATH"))
-        modules += std::string(":") + inherited;
+    auto command = pythonModule("restirpg.evaluate");
+    command.insert(command.end(), {file.string(), std::to_string(timeLimit().count())});
     const auto limit = timeLimit();
     const auto result = [&] {
         try {
-            // -B: leave no __pycache__ in the user's folder.
-            return runProcess({pythonInterpreter().string(), "-B", "-m", "restirpg.evaluate", file.string(),
-                               std::to_string(limit.count())},
-                              {{"PYTHONPATH", modules}, {"PYTHONIOENCODING", "utf-8"}}, limit + GRACE);
+            // Leave no __pycache__ in the user's folder.
+            return runProcess(
+                command,
+                {{"PYTHONPATH", pythonPath()}, {"PYTHONIOENCODING", "utf-8"}, {"PYTHONDONTWRITEBYTECODE", "1"}},
+                limit + GRACE);
         } catch (const Error& error) {
             fail("{}: {}; RESTIRPG_PYTHON names the interpreter", file.string(), error.what());
         }
@@ -96,6 +96,8 @@ std::string evaluate(const fs::path& file)
     std::string errors = result.errors;
     while (!errors.empty() && errors.back() == '\n')
         errors.pop_back();
+    if (errors.rfind("Unknown option: -P", 0) == 0)
+        fail("{}: {} is older than Python 3.11; RESTIRPG_PYTHON names another", file.string(), command.front());
     if (result.exitCode == 2 && !errors.empty())
         throw Error(errors);
     if (result.exitCode != 0)

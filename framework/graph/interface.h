@@ -66,6 +66,12 @@ struct In {
     bool empty = false;
     explicit operator bool() const { return wired; }
     const Resource* operator->() const { return resource; }
+    /// Of an input of type anyPerPixel: how many T there are per pixel.
+    template <typename T>
+    uint32_t countPerPixel() const
+    {
+        return uint32_t(pixelBytes() / sizeof(T));
+    }
 };
 
 /// Float image of 1 to 4 channels, row by row from the top, scalar layout.
@@ -97,7 +103,7 @@ PortType severalPerPixel(const std::string& name, std::function<uint64_t()> coun
     return type;
 }
 
-/// T of any number per pixel, which the reader takes from In::pixelBytes.
+/// T of any number per pixel, which the reader takes from In::countPerPixel.
 inline PortType anyPerPixel(const std::string& name)
 {
     return {name};
@@ -167,9 +173,9 @@ class Interface {
 public:
     void input(const std::string& name, In<Buffer>& target, PortType type, const std::string& meaning);
     void optionalInput(const std::string& name, In<Buffer>& target, PortType type, const std::string& meaning);
-    /// Marks the input declared last: it means nothing but with what is made in the same frame.
+    /// Marks the input declared last: it must be wired to an output of this frame, not with prev().
     void ofThisFrame();
-    /// Marks the input declared last: it takes what was made one frame ago.
+    /// Marks the input declared last: it must be wired with prev(), to an output of the frame before.
     void ofFrameBefore();
     /// A graph wires all of these optional inputs, declared before, or none.
     void together(std::vector<std::string> names);
@@ -198,7 +204,9 @@ public:
             [&target, values](size_t place) { target = values[place]; }};
         addChoice(name, std::move(selection), std::move(names), meaning);
     }
-    /// Marks the knob declared last: a change of it rebuilds the pass (kernels, buffer sizes).
+    /// Marks the knob declared last: a change of it rebuilds the pass (kernels, buffer sizes) and empties all
+    /// histories. Also for knobs whose change makes existing histories wrong, because these hold other paths or other
+    /// units.
     void structural();
 
     const std::vector<InputPort>& inputs() const { return inputs_; }

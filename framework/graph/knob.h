@@ -26,7 +26,7 @@ struct Knob {
     double minimum;  ///< inclusive; for numbers
     double maximum;
     std::vector<std::string> choices;  ///< of a Selection, by name
-    bool structural = false;  ///< a change rebuilds the pass (kernels, buffer sizes)
+    bool structural = false;  ///< a change rebuilds the pass and empties all histories
 
     /// "bool", "int", "uint", "float", "choice" or "string".
     std::string typeName() const;

@@ -28,13 +28,14 @@ All are changed or none. The picture is that of a scene file with these values, 
 probabilities with which they are selected and the acceleration structure follow. It implies cut(). One number stands for
 three equal ones. The first edit makes a copy of the scene and uploads it anew, as one of a node always does: move_node() is
 cheaper for what moves every frame. Later ones of materials, lights and the environment upload these alone. A node that is
-given a matrix is no longer animated. A material without emission when it was loaded has no texture of it.
+given a matrix is no longer animated. Skins stay in the pose in which they were loaded, and so do the camera and the light
+that were added to a file without any.
 Raises ValueError, or IndexError for a place that is not there.)";
 
 /// Numbers of a Python object, row by row.
-std::vector<float> asNumbers(const std::string& path, const py::handle& value)
+std::vector<double> asNumbers(const std::string& path, const py::handle& value)
 {
-    const auto array = FloatArray::ensure(value);
+    const auto array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(value);
     if (!array) {
         PyErr_Clear();
         failAs<WrongValue>("'{}' cannot be {}: it takes numbers", path, py::repr(value).cast<std::string>());
@@ -44,7 +45,7 @@ std::vector<float> asNumbers(const std::string& path, const py::handle& value)
 
 void edit(SharedRenderer& shared, const py::dict& values)
 {
-    std::map<std::string, std::vector<float>> numbers;
+    std::map<std::string, std::vector<double>> numbers;
     for (const auto& [key, value] : values) {
         if (!py::isinstance<py::str>(key))
             failAs<WrongValue>("{} is no path of a parameter, as parameters() lists them",
@@ -60,7 +61,7 @@ py::dict parameters(SharedRenderer& shared)
     py::dict result;
     const auto all = shared.run([](const Renderer& renderer) { return renderer.parameters(); });
     for (const auto& [path, json] : all.items()) {
-        const auto values = json.get<std::vector<float>>();
+        const auto values = json.get<std::vector<double>>();
         if (values.size() == 1) {
             result[py::str(path)] = values[0];
             continue;
@@ -69,7 +70,7 @@ py::dict parameters(SharedRenderer& shared)
         for (size_t i = 0; i < values.size(); ++i) {
             if (values.size() == 16 && i % 4 == 0)
                 list.append(
-                    py::cast(std::vector<float>(values.begin() + ptrdiff_t(i), values.begin() + ptrdiff_t(i) + 4)));
+                    py::cast(std::vector<double>(values.begin() + ptrdiff_t(i), values.begin() + ptrdiff_t(i) + 4)));
             else if (values.size() != 16)
                 list.append(values[i]);
         }

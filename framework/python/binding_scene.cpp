@@ -59,6 +59,15 @@ std::vector<fs::path> codePaths()
     return paths;
 }
 
+/// As load_scene was given it; none: the scene has its own.
+std::optional<std::string> environmentOf(const Scene& scene)
+{
+    if (!scene.givenEnvironment)
+        return {};
+    const auto& [name, hash] = *scene.givenEnvironment;
+    return hash.empty() ? name : scene.files.back().string();
+}
+
 std::vector<std::string> nodeNames(const Scene& scene)
 {
     std::vector<std::string> names;
@@ -90,6 +99,13 @@ void bindScene(py::module_& module)
     py::class_<Scene, std::shared_ptr<Scene>>(module, "Scene", "A scene on the host, from load_scene.")
         .def_readonly("file", &Scene::file, "Path it was read from.")
         .def_readonly("hash", &Scene::hash, "Content hash of the file and all it refers to, 16 hexadecimal digits.")
+        .def_property_readonly(
+            "environment", &environmentOf,
+            "What load_scene was given in place of the scene's own environment: a file, or \"r,g,b\"; else None.")
+        .def_property_readonly(
+            "environment_hash",
+            [](const Scene& scene) { return scene.givenEnvironment.value_or(GivenEnvironment{}).hash; },
+            "Content hash of that file, which `hash` does not cover; empty: there is none.")
         .def_readonly("bounce_cap", &Scene::bounceCap, "The scene's own bounce cap, or None.")
         .def_readonly("duration", &Scene::duration, "End of the last animation key, s.")
         .def_property_readonly(

@@ -1,6 +1,7 @@
 #include "render/renderer.h"
 
 #include "core/error_kinds.h"
+#include "core/nearest.h"
 #include "core/paths.h"
 #include "render/executor.h"
 #include "render/version.h"
@@ -94,13 +95,13 @@ const Graph& Renderer::graph() const
     return executor_->graph();
 }
 
-FrameConstants Renderer::constants() const
+/// Of the next frame, whose nodes stand so.
+FrameConstants Renderer::constants(const std::vector<glm::mat4>& pose) const
 {
     FrameConstants constants{};
     constants.scene = sceneGpu_->table();
     const auto& node = scene_->cameras[scene_->camera];
     const float aspect = float(options_.width) / float(options_.height);
-    const auto pose = poseNodes(*scene_, time(), overrides_);
     CameraNode camera = node;
     glm::mat4 toWorld = pose[node.node];
     if (cameraOverride_) {
@@ -132,8 +133,9 @@ void Renderer::render(uint32_t frames)
             setTime(time());
             previous_.reset();
         }
-        sceneGpu_->update(poseNodes(*scene_, time(), overrides_), begins);
-        const FrameConstants current = constants();
+        const auto pose = poseNodes(*scene_, time(), overrides_);
+        sceneGpu_->update(pose, begins);
+        const FrameConstants current = constants(pose);
         executor_->run(current, sceneGpu_->bindings());
         previous_ = current;
         ++framesSinceStart_;
@@ -195,7 +197,13 @@ std::vector<uint8_t> Renderer::readPort(const std::string& path)
             return device_->download<uint8_t>(*buffer, ports[o].type.bytes(window().width, window().height));
         }
     }
-    failAs<WrongValue>("graph '{}' has no port '{}'; ports are written pass.output", graph().name(), path);
+    std::vector<std::string> names;
+    for (const auto& pass : passes)
+        for (const auto& port : pass.interface.outputs())
+            names.push_back(pass.name + "." + port.name);
+    const auto guess = didYouMean(path, names);
+    failAs<WrongValue>("graph '{}' has no port '{}'; ports: {}{}{}", graph().name(), path, fmt::join(names, ", "),
+                       guess.empty() ? "" : "; ", guess);
 }
 
 CameraPose Renderer::camera() const

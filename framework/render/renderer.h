@@ -83,10 +83,11 @@ public:
     /// What can be changed of the scene: {"materials.Wall.base_color": [r, g, b], ...}, see scene/edit.h.
     nlohmann::json parameters() const;
     /// Change some of it for this renderer alone, which has a copy of the scene from then on: pictures are those of a
-    /// file with these values, to the byte. Tables of lights and their probabilities follow. Nodes take a new
+    /// file with these values, to the byte. Tables of lights and their probabilities follow. Skins stay in the pose in
+    /// which they were loaded, and so do the camera and the light that the loader added. Nodes take a new
     /// acceleration structure; moveNode is cheaper for what moves every frame. A cut. Throws WrongValue or WrongIndex;
     /// all is as before then.
-    void edit(const std::map<std::string, std::vector<float>>& values);
+    void edit(const std::map<std::string, std::vector<double>>& values);
 
     /// Render by another graph, or by the same one, its kernels read anew from their files. Knobs that setKnob turned
     /// stay so where the graph has them. Throws Error, located in the graph or the kernel; all is as before then. A
@@ -127,7 +128,7 @@ public:
 
 private:
     CameraPose poseOf(const CameraNode& camera) const;
-    FrameConstants constants() const;
+    FrameConstants constants(const std::vector<glm::mat4>& pose) const;
     float time() const;
     void addView(std::map<std::string, std::string>& attributes) const;
 

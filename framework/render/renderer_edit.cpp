@@ -8,6 +8,19 @@
 #include <algorithm>
 
 namespace restirpg {
+namespace {
+
+/// As the loader does, of matrices that a caller gave.
+void deriveAgain(Scene& scene)
+{
+    try {
+        deriveFromNodes(scene);
+    } catch (const Error& error) {
+        throw WrongValue(error.what());
+    }
+}
+
+}  // namespace
 
 nlohmann::json Renderer::knobs() const
 {
@@ -20,12 +33,7 @@ nlohmann::json Renderer::knobs() const
 
 nlohmann::json Renderer::knob(const std::string& path) const
 {
-    const auto all = knobs();
-    const auto dot = path.find('.');
-    const std::string pass = path.substr(0, dot), name = dot == std::string::npos ? "" : path.substr(dot + 1);
-    if (!all.contains(pass) || !all[pass].contains(name))
-        failAs<WrongValue>("graph '{}' has no knob '{}'; knobs are written pass.knob", graph().name(), path);
-    return all[pass][name];
+    return executor_->graph().knob(path).get();
 }
 
 void Renderer::setKnob(const std::string& path, const nlohmann::json& value)
@@ -68,7 +76,7 @@ nlohmann::json Renderer::parameters() const
     return all;
 }
 
-void Renderer::edit(const std::map<std::string, std::vector<float>>& values)
+void Renderer::edit(const std::map<std::string, std::vector<double>>& values)
 {
     auto overrides = overrides_;
     bool moves = false;
@@ -83,6 +91,8 @@ void Renderer::edit(const std::map<std::string, std::vector<float>>& values)
     } else {
         auto scene = std::make_shared<Scene>(*scene_);
         editScene(*scene, values);
+        if (moves)
+            deriveAgain(*scene);
         sceneGpu_ = std::make_unique<SceneGpu>(*device_, *scene, poseNodes(*scene, time(), overrides),
                                                options_.energyCompensation);
         scene_ = edited_ = std::move(scene);

@@ -129,6 +129,8 @@ void SceneGpu::uploadMaterials()
 {
     std::vector<Material> materials = scene_.materials;
     for (Material& material : materials) {
+        if (material.transmission == 0)
+            material.absorption = glm::vec3(0);  // nothing is inside of what lets no light in; an edit may change that
         material.flags |= mapsOf(material).empty() ? 0 : MATERIAL_TEXTURED;
         material.flags |= material.emissiveMap.index == INVALID_INDEX ? 0 : MATERIAL_EMISSION_TEXTURED;
         if (!energyTableOf_.empty())

@@ -7,6 +7,17 @@
 
 namespace restirpg {
 
+namespace {
+
+/// Kernels compare a threshold with a fraction of 24 bits: it is one of those, and above 0 where the weight is.
+float drawable(double p)
+{
+    constexpr double FRACTIONS = 0x1p24;
+    return float(std::ceil(p * FRACTIONS) / FRACTIONS);
+}
+
+}  // namespace
+
 /// Vose's construction, "A linear algorithm for generating random numbers with a given distribution", 1991.
 std::vector<AliasColumn> buildAliasTable(std::span<const double> weights, std::vector<float>& pmf)
 {
@@ -28,7 +39,7 @@ std::vector<AliasColumn> buildAliasTable(std::span<const double> weights, std::v
     while (!small.empty() && !large.empty()) {
         const uint32_t poor = small.back(), rich = large.back();
         small.pop_back();
-        table[poor] = {float(scaled[poor]), rich};
+        table[poor] = {drawable(scaled[poor]), rich};
         scaled[rich] -= 1 - scaled[poor];
         if (scaled[rich] < 1) {
             large.pop_back();

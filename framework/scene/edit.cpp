@@ -59,28 +59,28 @@ Kind nodesOf(const Scene& scene)
     return makeKind("nodes", std::move(names));
 }
 
-glm::vec3 asVector(const std::vector<float>& values)
+glm::dvec3 asVector(const std::vector<double>& values)
 {
     return {values[0], values[1], values[2]};
 }
 
-std::vector<float> asValues(const glm::vec3& v)
+std::vector<double> asValues(const glm::vec3& v)
 {
     return {v.x, v.y, v.z};
 }
 
-std::vector<float> asRows(const glm::mat4& matrix)
+std::vector<double> asRows(const glm::dmat4& matrix)
 {
-    std::vector<float> rows;
+    std::vector<double> rows;
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 4; ++column)
             rows.push_back(matrix[column][row]);
     return rows;
 }
 
-glm::mat4 fromRows(const std::vector<float>& rows)
+glm::dmat4 fromRows(const std::vector<double>& rows)
 {
-    glm::mat4 matrix;
+    glm::dmat4 matrix;
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 4; ++column)
             matrix[column][row] = rows[size_t(row) * 4 + size_t(column)];
@@ -103,7 +103,7 @@ void listMaterials(const Scene& scene, std::vector<SceneParameter>& list)
         const std::string place = "materials." + keys[i] + ".";
         const auto number = [&](const char* name, float Material::*member) {
             list.push_back({place + name, {material.*member}, 0, 1, [=](Scene& edited, const auto& values) {
-                                edited.materials[i].*member = values[0];
+                                edited.materials[i].*member = float(values[0]);
                             }});
         };
         list.push_back({place + "base_color", asValues(material.baseColor), 0, 1,
@@ -132,7 +132,8 @@ void listNodes(const Scene& scene, const std::vector<std::optional<glm::mat4>>& 
 {
     const auto keys = nodesOf(scene).keys;
     for (size_t i = 0; i < keys.size(); ++i) {
-        const auto matrix = i < overrides.size() && overrides[i] ? *overrides[i] : localMatrix(scene.nodes[i]);
+        const bool given = i < overrides.size() && overrides[i];
+        const auto matrix = given ? glm::dmat4(*overrides[i]) : localMatrix(scene.nodes[i]);
         list.push_back({"nodes." + keys[i] + ".matrix", asRows(matrix), -BOUNDLESS, BOUNDLESS,
                         [=](Scene& edited, const auto& values) { edited.nodes[i].matrix = fromRows(values); }});
     }
@@ -173,12 +174,12 @@ std::string middleOf(const std::string& path)
                        guess.empty() ? "; parameters() lists what it has" : "; ", guess);
 }
 
-void checkValues(const Scene& scene, const SceneParameter& parameter, const std::vector<float>& values)
+void checkValues(const Scene& scene, const SceneParameter& parameter, const std::vector<double>& values)
 {
     if (values.size() != parameter.values.size())
         failAs<WrongValue>("{}: '{}' takes {} number{}, not {}", scene.file.string(), parameter.path,
                            parameter.values.size(), parameter.values.size() == 1 ? "" : "s", values.size());
-    for (const float value : values)
+    for (const double value : values)
         if (!(value >= parameter.least && value <= parameter.most)) {
             if (parameter.most == BOUNDLESS)
                 failAs<WrongValue>("{}: '{}' cannot be {}: must be finite{}", scene.file.string(), parameter.path,
@@ -199,28 +200,28 @@ std::vector<SceneParameter> parametersOf(const Scene& scene, const std::vector<s
     return list;
 }
 
-void editScene(Scene& scene, const std::map<std::string, std::vector<float>>& values)
+void editScene(Scene& scene, const std::map<std::string, std::vector<double>>& values)
 {
     const auto list = parametersOf(scene);
-    std::vector<std::pair<const SceneParameter*, std::vector<float>>> edits;
+    std::vector<std::pair<const SceneParameter*, std::vector<double>>> edits;
     for (const auto& [path, given] : values) {
         const auto found = std::find_if(list.begin(), list.end(),
                                         [&path = path](const auto& parameter) { return parameter.path == path; });
         if (found == list.end())
             refusePath(scene, path, list);
         const bool grey = given.size() == 1 && found->values.size() == 3;
-        edits.emplace_back(&*found, grey ? std::vector<float>(3, given[0]) : given);
+        edits.emplace_back(&*found, grey ? std::vector<double>(3, given[0]) : given);
         checkValues(scene, *found, edits.back().second);
     }
     for (const auto& [parameter, numbers] : edits)
         parameter->set(scene, numbers);
 }
 
-std::map<std::string, std::vector<float>> matricesOf(const Scene& scene,
-                                                     const std::vector<std::optional<glm::mat4>>& overrides)
+std::map<std::string, std::vector<double>> matricesOf(const Scene& scene,
+                                                      const std::vector<std::optional<glm::mat4>>& overrides)
 {
     const auto keys = nodesOf(scene).keys;
-    std::map<std::string, std::vector<float>> matrices;
+    std::map<std::string, std::vector<double>> matrices;
     for (size_t i = 0; i < overrides.size(); ++i)
         if (overrides[i])
             matrices["nodes." + keys[i] + ".matrix"] = asRows(*overrides[i]);

@@ -16,10 +16,10 @@ namespace restirpg {
 /// of their node; where a name is empty, a number or not the only one of its kind, by their place from 0.
 struct SceneParameter {
     std::string path;
-    std::vector<float> values;  ///< matrices row by row
+    std::vector<double> values;  ///< matrices row by row
     float least;
     float most;
-    std::function<void(Scene&, const std::vector<float>&)> set;
+    std::function<void(Scene&, const std::vector<double>&)> set;
 };
 
 /// materials.M.{base_color, metallic, roughness, transmission, emission}, lights.L.intensity, environment.radiance,
@@ -30,11 +30,11 @@ std::vector<SceneParameter> parametersOf(const Scene& scene,
 
 /// Change values by their paths; one number stands for three equal ones. Throws WrongValue or WrongIndex naming the
 /// path; the scene is as before then.
-void editScene(Scene& scene, const std::map<std::string, std::vector<float>>& values);
+void editScene(Scene& scene, const std::map<std::string, std::vector<double>>& values);
 
 /// The matrices of the nodes that a user moved, row by row, by their paths as editScene takes them.
-std::map<std::string, std::vector<float>> matricesOf(const Scene& scene,
-                                                     const std::vector<std::optional<glm::mat4>>& overrides);
+std::map<std::string, std::vector<double>> matricesOf(const Scene& scene,
+                                                      const std::vector<std::optional<glm::mat4>>& overrides);
 
 /// The place in Scene::nodes that a path is of; nothing where it is of no node.
 std::optional<size_t> nodeOfPath(const Scene& scene, const std::string& path);

@@ -19,6 +19,8 @@ double fresnelDielectric(double cosine, double ior)
 
 float fresnelCoatAverage(float ior)
 {
+    if (ior == 0)
+        return 1.0f / 21;  // of Schlick's (1 - cos)^5
     if (ior == 1)
         return 0;
     const double normal = fresnelDielectric(1, ior);

@@ -8,7 +8,7 @@ namespace restirpg {
 double fresnelDielectric(double cosine, double ior);
 
 /// Cosine-weighted mean over the hemisphere of (F(cos) - F0) / (1 - F0), i.e. 2 int_0^1 (F(c) - F0) / (1 - F0) c dc:
-/// what Schlick's (1 - cos)^5 averages 1/21 for. Material::coatAverage.
+/// what Schlick's (1 - cos)^5 averages 1/21 for. That is taken for ior 0, total reflection. Material::coatAverage.
 float fresnelCoatAverage(float ior);
 
 }  // namespace restirpg

@@ -2,6 +2,7 @@
 
 #include "scene/gltf_file.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace restirpg {
@@ -9,44 +10,6 @@ namespace restirpg {
 namespace {
 
 using namespace gltf;
-
-/// World coordinates beyond this lose their squares in float; a scene is metres, not light-years.
-constexpr float LARGEST_SCENE = 1e12f;
-
-struct Bounds {
-    glm::vec3 lower{INFINITY};
-    glm::vec3 upper{-INFINITY};
-
-    void add(glm::vec3 p)
-    {
-        lower = glm::min(lower, p);
-        upper = glm::max(upper, p);
-    }
-};
-
-/// Exact bounds of all instances at time 0.
-Bounds worldBounds(const Scene& scene)
-{
-    const auto pose = poseNodes(scene, 0);
-    Bounds bounds;
-    for (const auto& instance : scene.instances) {
-        const auto& mesh = scene.meshes[instance.mesh];
-        const auto& matrix = pose[instance.node];
-        for (uint32_t v = 0; v < mesh.vertexCount; ++v)
-            bounds.add(glm::vec3(matrix * glm::vec4(scene.positions[mesh.firstVertex + v], 1)));
-    }
-    return bounds;
-}
-
-/// Where coordinates are relative to: the middle of a scene that lies farther off than FAR of its own radii, where
-/// floats would be coarse.
-glm::vec3 originOf(const Bounds& bounds)
-{
-    constexpr float FAR = 64;
-    const auto center = 0.5f * (bounds.lower + bounds.upper);
-    const float radius = 0.5f * glm::length(bounds.upper - bounds.lower);
-    return glm::length(center) > FAR * radius ? center : glm::vec3(0);
-}
 
 /// A camera of 40 degrees that looks from the upper right; the bounding sphere almost fills the picture.
 void addDefaultCamera(Scene& scene, const Bounds& bounds)
@@ -66,15 +29,27 @@ void addDefaultCamera(Scene& scene, const Bounds& bounds)
     scene.cameras.push_back({node.name, uint32_t(scene.nodes.size() - 1), YFOV});
 }
 
-bool emitsLight(const Scene& scene)
+/// One that is switched off, by a strength of 0, is an emitter.
+bool isEmitter(const tinygltf::Material& material)
+{
+    const auto& factor = material.emissiveFactor;
+    return std::any_of(factor.begin(), factor.end(), [](double value) { return value > 0; }) &&
+           !extension(material.extensions, "KHR_materials_unlit");
+}
+
+/// Whether the scene has a light, even one that is switched off: an edit may switch it on.
+bool namesLight(const File& file, const Scene& scene)
 {
     if (scene.environment || !scene.punctualLights.empty())
         return true;
+    const auto& materials = file.model.materials;
     for (const auto& instance : scene.instances) {
         const auto& mesh = scene.meshes[instance.mesh];
-        for (uint32_t t = 0; t < mesh.triangleCount; ++t)
-            if (scene.materials[scene.materialOfTriangle[mesh.firstTriangle + t]].flags & MATERIAL_EMISSIVE)
+        for (uint32_t t = 0; t < mesh.triangleCount; ++t) {
+            const uint32_t material = scene.materialOfTriangle[mesh.firstTriangle + t];
+            if (material < materials.size() && isEmitter(materials[material]))
                 return true;
+        }
     }
     return false;
 }
@@ -135,15 +110,12 @@ Scene convert(const std::filesystem::path& path, bool allowOutside)
     readExtras(file, scene, hash);
     scene.hash = fmt::format("{:016x}", hash);
 
-    const auto bounds = worldBounds(scene);
-    if (!(glm::length(bounds.upper - bounds.lower) + glm::length(bounds.upper) < LARGEST_SCENE))
-        fail("{}: the scene reaches beyond {} m; check the scale of its nodes", file.name(), LARGEST_SCENE);
+    const auto bounds = deriveFromNodes(scene);
     if (scene.cameras.empty()) {
         warn("{}: no perspective camera; one that frames the scene is added", file.name());
         addDefaultCamera(scene, bounds);
     }
-    scene.origin = originOf(bounds);
-    if (!emitsLight(scene)) {
+    if (!namesLight(file, scene)) {
         warn("{}: no light; a white environment of radiance 1 is added", file.name());
         scene.environment.emplace();
         scene.environment->radiance = glm::vec3(1);

@@ -13,8 +13,8 @@ namespace restirpg {
 /// optional is named once in a warning; an unsupported *required* extension, or a file that is damaged or hostile,
 /// is one Error that names the file, the place and the mend. Numbers outside of the range that the specification gives
 /// them are clamped, with one warning a file. alphaMode BLEND is a mask at 0.5. A scene without a camera gets one that
-/// frames it; one without any light gets a white environment of radiance 1; both with a warning. No triangles is an
-/// Error.
+/// frames it; one without any light, not even one that is switched off, gets a white environment of radiance 1; both
+/// with a warning. No triangles is an Error.
 ///
 /// `extras` of the asset may hold "restirpg": {"environment": "sky.hdr" | [r, g, b], "strength": s, "rotation":
 /// degrees, "bounces": n}; the path is relative to the file.

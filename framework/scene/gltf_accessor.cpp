@@ -42,7 +42,7 @@ Elements elementsOf(const File& file, int accessor, int bufferView, size_t offse
 {
     const auto& view = file.model.bufferViews[size_t(bufferView)];
     stride = stride ? stride : size;
-    // All of these are below 2^31 (checkStructure), so that the product fits 64 bits.
+    // All of these are below 2^32 (checkStructure), so that the product fits 64 bits.
     const uint64_t end = count ? offset + uint64_t(count - 1) * stride + size : 0;
     if (end > view.byteLength)
         fail("{}: {}: accessor {} needs {} bytes of bufferViews[{}], which has {}; export it again", file.name(), place,
@@ -100,8 +100,25 @@ bool isIndexType(uint32_t componentType)
            componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
 }
 
-/// Overwrite the elements that a sparse accessor replaces.
-void applySparse(const File& file, int index, const std::string& place, size_t components, std::vector<float>& values)
+size_t elementSize(const File& file, int index, const std::string& place)
+{
+    const auto& accessor = file.model.accessors[size_t(index)];
+    return componentSize(file, index, uint32_t(accessor.componentType), place) *
+           size_t(tinygltf::GetNumComponentsInType(uint32_t(accessor.type)));
+}
+
+/// The elements of an accessor's own buffer view.
+Elements baseOf(const File& file, int index, const std::string& place)
+{
+    const auto& accessor = file.model.accessors[size_t(index)];
+    return elementsOf(file, index, accessor.bufferView, accessor.byteOffset, accessor.count,
+                      elementSize(file, index, place), file.model.bufferViews[size_t(accessor.bufferView)].byteStride,
+                      place);
+}
+
+/// Calls `read(element, bytes)` for each element that a sparse accessor replaces.
+template <typename Read>
+void forEachReplaced(const File& file, int index, const std::string& place, const Read& read)
 {
     const auto& accessor = file.model.accessors[size_t(index)];
     const auto& sparse = accessor.sparse;
@@ -109,21 +126,32 @@ void applySparse(const File& file, int index, const std::string& place, size_t c
     if (!isIndexType(type))
         fail("{}: {}: accessor {} has sparse indices of component type {}; export it again", file.name(), place, index,
              type);
-    const size_t indexSize = componentSize(file, index, type, place);
-    const size_t size = componentSize(file, index, uint32_t(accessor.componentType), place);
     const auto indices = elementsOf(file, index, sparse.indices.bufferView, size_t(sparse.indices.byteOffset),
-                                    size_t(sparse.count), indexSize, 0, place);
+                                    size_t(sparse.count), componentSize(file, index, type, place), 0, place);
     const auto replacements = elementsOf(file, index, sparse.values.bufferView, size_t(sparse.values.byteOffset),
-                                         size_t(sparse.count), size * components, 0, place);
+                                         size_t(sparse.count), elementSize(file, index, place), 0, place);
     for (size_t i = 0; i < size_t(sparse.count); ++i) {
         const uint32_t element = loadIndex(indices.first + i * indices.stride, type);
         if (element >= accessor.count)
             fail("{}: {}: accessor {} replaces element {} of {}; export it again", file.name(), place, index, element,
                  accessor.count);
-        for (size_t c = 0; c < components; ++c)
-            values[element * components + c] = loadFloat(replacements.first + i * replacements.stride + c * size,
-                                                         accessor.componentType, accessor.normalized);
+        read(element, replacements.first + i * replacements.stride);
     }
+}
+
+/// Calls `read(element, bytes)` for each element that the file holds: those of the buffer view, then those that the
+/// sparse part replaces. The others are zeros.
+template <typename Read>
+void forEachElement(const File& file, int index, const std::string& place, const Read& read)
+{
+    const auto& accessor = file.model.accessors[size_t(index)];
+    if (accessor.bufferView >= 0) {
+        const auto elements = baseOf(file, index, place);
+        for (size_t i = 0; i < accessor.count; ++i)
+            read(i, elements.first + i * elements.stride);
+    }
+    if (accessor.sparse.isSparse)
+        forEachReplaced(file, index, place, read);
 }
 
 const char* typeName(int type)
@@ -147,42 +175,29 @@ const char* typeName(int type)
 void checkAccessor(const File& file, int index, const std::string& place)
 {
     const auto& accessor = file.model.accessors[size_t(index)];
-    const size_t components = size_t(tinygltf::GetNumComponentsInType(uint32_t(accessor.type)));
-    const size_t size = componentSize(file, index, uint32_t(accessor.componentType), place) * components;
     if (accessor.bufferView >= 0)
-        elementsOf(file, index, accessor.bufferView, accessor.byteOffset, accessor.count, size,
-                   file.model.bufferViews[size_t(accessor.bufferView)].byteStride, place);
+        baseOf(file, index, place);
     else if (accessor.count > LARGEST_ZERO_ACCESSOR)
         fail("{}: {}: accessor {} has {} elements but no data; export it again", file.name(), place, index,
              accessor.count);
 }
 
-std::vector<float> readFloats(const File& file, int index, const std::string& place, std::initializer_list<int> types)
+std::vector<float> readFloats(const File& file, int index, const std::string& place, std::initializer_list<int> types,
+                              size_t most)
 {
     const auto& accessor = file.model.accessors[size_t(index)];
     if (std::find(types.begin(), types.end(), accessor.type) == types.end())
         fail("{}: {}: accessor {} is {}, not {}; export it again", file.name(), place, index, typeName(accessor.type),
              typeName(*types.begin()));
+    checkAccessor(file, index, place);
     const size_t size = componentSize(file, index, uint32_t(accessor.componentType), place);
     const size_t components = size_t(tinygltf::GetNumComponentsInType(uint32_t(accessor.type)));
-
-    checkAccessor(file, index, place);
-    std::vector<float> values;
-    if (accessor.bufferView >= 0) {
-        const auto stride = file.model.bufferViews[size_t(accessor.bufferView)].byteStride;
-        const auto elements = elementsOf(file, index, accessor.bufferView, accessor.byteOffset, accessor.count,
-                                         size * components, stride, place);
-        values.resize(accessor.count * components);
-        for (size_t i = 0; i < accessor.count; ++i)
-            for (size_t c = 0; c < components; ++c)
-                values[i * components + c] = loadFloat(elements.first + i * elements.stride + c * size,
-                                                       accessor.componentType, accessor.normalized);
-    } else {
-        values.resize(accessor.count * components);
-    }
-    if (accessor.sparse.isSparse)
-        applySparse(file, index, place, components, values);
-
+    const size_t count = std::min(accessor.count, most);
+    std::vector<float> values(count * components);
+    forEachElement(file, index, place, [&](size_t element, const uint8_t* bytes) {
+        for (size_t c = 0; c < components && element < count; ++c)
+            values[element * components + c] = loadFloat(bytes + c * size, accessor.componentType, accessor.normalized);
+    });
     const auto bad = std::find_if(values.begin(), values.end(), [](float x) { return !std::isfinite(x); });
     if (bad != values.end())
         fail("{}: {}: element {} of accessor {} is not a finite number; repair the mesh and export it again",
@@ -194,16 +209,12 @@ std::vector<uint32_t> readIndices(const File& file, int index, const std::string
 {
     const auto& accessor = file.model.accessors[size_t(index)];
     const auto type = uint32_t(accessor.componentType);
-    if (accessor.type != TINYGLTF_TYPE_SCALAR || !isIndexType(type) || accessor.bufferView < 0 ||
-        accessor.sparse.isSparse)
-        fail("{}: {}: accessor {} is not a plain list of unsigned integers; export it again", file.name(), place,
-             index);
-    const auto stride = file.model.bufferViews[size_t(accessor.bufferView)].byteStride;
-    const auto elements = elementsOf(file, index, accessor.bufferView, accessor.byteOffset, accessor.count,
-                                     componentSize(file, index, type, place), stride, place);
+    if (accessor.type != TINYGLTF_TYPE_SCALAR || !isIndexType(type))
+        fail("{}: {}: accessor {} is not a list of unsigned integers; export it again", file.name(), place, index);
+    checkAccessor(file, index, place);
     std::vector<uint32_t> indices(accessor.count);
-    for (size_t i = 0; i < accessor.count; ++i)
-        indices[i] = loadIndex(elements.first + i * elements.stride, type);
+    forEachElement(file, index, place,
+                   [&](size_t element, const uint8_t* bytes) { indices[element] = loadIndex(bytes, type); });
     return indices;
 }
 

@@ -2,6 +2,7 @@
 #include "scene/gltf_primitive.h"
 
 #include <cmath>
+#include <limits>
 
 namespace restirpg::gltf {
 
@@ -14,12 +15,20 @@ glm::mat3 normalMatrix(const glm::mat3& m)
     return sign * glm::mat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
 }
 
+/// Add one attribute of a morph target, where the target and the primitive have it. A component that the target lacks
+/// stays: a tangent's sign, a colour's alpha.
 template <typename V>
-void addScaled(const std::vector<glm::vec3>& displacements, float weight, std::vector<V>& values)
+void addTarget(const File& file, const std::map<std::string, int>& target, float weight, const Source& source,
+               const char* name, std::initializer_list<int> types, std::vector<V>& values)
 {
-    for (size_t i = 0; i < displacements.size() && i < values.size(); ++i)
-        for (int c = 0; c < 3; ++c)
-            values[i][c] += weight * displacements[i][c];
+    const auto displacements = readAttribute<V>(file, target, source, name, types, 0);
+    for (size_t i = 0; i < displacements.size() && i < values.size(); ++i) {
+        values[i] += weight * displacements[i];
+        if (!glm::all(glm::lessThanEqual(glm::abs(values[i]), V(std::numeric_limits<float>::max()))))
+            fail("{}: {} {}: morph targets move that of vertex {} beyond all floats; repair the mesh and export it "
+                 "again",
+                 file.name(), source.place, name, i);
+    }
 }
 
 void checkPositions(const File& file, const Source& source)
@@ -62,14 +71,14 @@ bool addJoints(const File& file, const tinygltf::Primitive& primitive, const Ski
 
 }  // namespace
 
-std::vector<glm::mat4> restPose(const File& file)
+std::vector<glm::dmat4> restPose(const File& file)
 {
     const auto& nodes = file.model.nodes;
     std::vector<int> parents(nodes.size(), -1);
     for (size_t i = 0; i < nodes.size(); ++i)
         for (const int child : nodes[i].children)
             parents[size_t(child)] = int(i);
-    std::vector<glm::mat4> pose(nodes.size());
+    std::vector<glm::dmat4> pose(nodes.size());
     std::vector<bool> known(nodes.size());
     std::vector<size_t> chain;
     for (size_t i = 0; i < nodes.size(); ++i) {
@@ -88,25 +97,31 @@ std::vector<glm::mat4> restPose(const File& file)
     return pose;
 }
 
-Skin readSkin(const File& file, const Shape& shape, const std::vector<glm::mat4>& rest)
+Skin readSkin(const File& file, const Shape& shape, const std::vector<glm::dmat4>& rest)
 {
     const auto& source = file.model.skins[size_t(shape.skin)];
     Skin skin;
-    skin.unbound = rest[size_t(shape.node)];
+    skin.place = rest[size_t(source.joints.empty() ? shape.node : source.joints[0])][3];
+    const auto relative = [&](int node) {
+        auto matrix = rest[size_t(node)];
+        matrix[3] -= glm::dvec4(skin.place, 0);
+        return matrix;
+    };
+    skin.unbound = relative(shape.node);
     for (const int joint : source.joints)
-        skin.joints.push_back(rest[size_t(joint)]);
+        skin.joints.emplace_back(relative(joint));
     if (source.inverseBindMatrices < 0)
         return skin;
     const auto place = label("skin", size_t(shape.skin), source.name) + " inverseBindMatrices";
-    const auto values = readFloats(file, source.inverseBindMatrices, place, {TINYGLTF_TYPE_MAT4});
+    const auto values = readFloats(file, source.inverseBindMatrices, place, {TINYGLTF_TYPE_MAT4}, skin.joints.size());
     if (values.size() < 16 * skin.joints.size())
         fail("{}: {}: {} matrices for {} joints; export it again", file.name(), place, values.size() / 16,
              skin.joints.size());
     for (size_t j = 0; j < skin.joints.size(); ++j) {
-        glm::mat4 inverseBind;
+        glm::dmat4 inverseBind;
         for (size_t i = 0; i < 16; ++i)
             inverseBind[int(i / 4)][int(i % 4)] = values[16 * j + i];
-        skin.joints[j] = skin.joints[j] * inverseBind;
+        skin.joints[j] = relative(source.joints[j]) * inverseBind;
     }
     return skin;
 }
@@ -118,16 +133,18 @@ void applyMorph(const File& file, const tinygltf::Primitive& primitive, const st
         const float weight = float(weights[t]);
         if (weight == 0)
             continue;
-        const auto& target = primitive.targets[t];
-        const auto displacements = [&](const char* name) {
-            return readAttribute<glm::vec3>(file, target, source, name, {TINYGLTF_TYPE_VEC3});
+        const auto add = [&](const char* name, std::initializer_list<int> types, auto& values) {
+            addTarget(file, primitive.targets[t], weight, source, name, types, values);
         };
-        const auto moves = displacements("POSITION"), turns = displacements("NORMAL"),
-                   twists = displacements("TANGENT");
-        addScaled(moves, weight, source.positions);
-        addScaled(turns, weight, source.normals);
-        addScaled(twists, weight, source.tangents);
+        add("POSITION", {TINYGLTF_TYPE_VEC3}, source.positions);
+        add("NORMAL", {TINYGLTF_TYPE_VEC3}, source.normals);
+        add("TANGENT", {TINYGLTF_TYPE_VEC3}, source.tangents);
+        add("TEXCOORD_0", {TINYGLTF_TYPE_VEC2}, source.uv[0]);
+        add("TEXCOORD_1", {TINYGLTF_TYPE_VEC2}, source.uv[1]);
+        add("COLOR_0", {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4}, source.colors);
     }
+    for (auto& color : source.colors)
+        color = glm::clamp(color, 0.0f, 1.0f);
     checkPositions(file, source);
 }
 

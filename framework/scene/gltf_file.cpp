@@ -46,18 +46,17 @@ struct Container {
 };
 
 /// The chunk of a GLB container at `offset`, after its length was checked against the file's own.
-std::span<const uint8_t> chunkAt(const std::string& file, std::span<const uint8_t> bytes, size_t offset, uint32_t type,
+std::span<const uint8_t> chunkAt(const std::string& file, std::span<const uint8_t> bytes, size_t offset,
                                  const char* name)
 {
     const uint64_t length = word(bytes, offset);
     if (offset + 8 + length > bytes.size())
         fail("{}: damaged: the GLB's {} chunk of {} bytes leaves the file; export it again", file, name, length);
-    if (word(bytes, offset + 4) != type)
-        fail("{}: damaged: the GLB has another chunk where its {} chunk should be; export it again", file, name);
     return bytes.subspan(offset + 8, length);
 }
 
-/// Chunks after the first two belong to extensions and are skipped [glTF 2.0, 4.4.2].
+/// The binary chunk is the second, or there is none. Chunks of other types belong to extensions and are skipped [glTF
+/// 2.0, 4.4.2].
 Container openContainer(const std::string& file, std::span<const uint8_t> bytes)
 {
     const auto text = [](std::span<const uint8_t> chunk) {
@@ -73,11 +72,14 @@ Container openContainer(const std::string& file, std::span<const uint8_t> bytes)
         fail("{}: truncated: the header says {} bytes, the file has {}; copy the file again", file, word(bytes, 8),
              bytes.size());
     bytes = bytes.first(std::max(word(bytes, 8), 20u));
-    const auto json = chunkAt(file, bytes, 12, GLB_JSON, "JSON");
+    const auto json = chunkAt(file, bytes, 12, "first");
+    if (word(bytes, 16) != GLB_JSON)
+        fail("{}: damaged: the GLB's first chunk is not JSON; export it again", file);
     const size_t end = 20 + json.size();
     if (end + 8 > bytes.size())
         return {text(json), {}};
-    return {text(json), chunkAt(file, bytes, end, GLB_BIN, "BIN")};
+    const auto second = chunkAt(file, bytes, end, "second");
+    return {text(json), word(bytes, end + 4) == GLB_BIN ? second : std::span<const uint8_t>()};
 }
 
 /// Deepest nesting of brackets outside strings. (nlohmann's parser callback would tell, too, but in quadratic time.)
@@ -104,7 +106,9 @@ json parseJson(const std::string& file, std::string_view text)
     if (nestingDepth(text) > MAX_JSON_DEPTH)
         fail("{}: JSON nested deeper than {} levels; no exporter writes that, get the file anew", file, MAX_JSON_DEPTH);
     try {
-        return json::parse(text);
+        auto root = json::parse(text);
+        unifyNumbers(root);
+        return root;
     } catch (const json::exception& error) {
         fail("{}: not glTF: {}; export it again", file, printable(error.what()));
     }
@@ -119,6 +123,12 @@ void checkExtensions(const std::string& file, const json& root)
     for (const auto& used : list("extensionsUsed"))
         if (!SUPPORTED_EXTENSIONS.count(used))
             warn("{}: the optional extension {} is ignored", file, printable(used));
+}
+
+/// The array of that name in an object, which is made where it is missing.
+json& arrayIn(json& object, const char* name)
+{
+    return *object.emplace(name, json::array()).first;
 }
 
 /// Bytes of the URIs of a file, by the names that tinygltf is given in their place. It sees no path of the file's.
@@ -170,11 +180,10 @@ Contents readContents(File& file, json& root, std::span<const uint8_t> binary, u
         contents[name] = std::move(bytes);
         object["uri"] = std::move(name);
     };
-    json none = json::array();
-    auto& buffers = root.contains("buffers") ? root["buffers"] : none;
+    auto& buffers = arrayIn(root, "buffers");
     for (size_t i = 0; i < buffers.size(); ++i)
         put(buffers[i], fmt::format("buffer{}", i), bufferBytes(file, i, buffers[i], binary, hash));
-    auto& images = root.contains("images") ? root["images"] : none;
+    auto& images = arrayIn(root, "images");
     for (size_t i = 0; i < images.size(); ++i) {
         auto& image = images[i];
         if (!image.contains("uri"))
@@ -185,6 +194,28 @@ Contents readContents(File& file, json& root, std::span<const uint8_t> binary, u
             Resources::isData(uri) ? file.resources.readData(uri, place) : imageBytes(file, uri, place, hash));
     }
     return contents;
+}
+
+/// Takes the primitives' indices out of the JSON: tinygltf refuses those without a buffer view, which are zeros but for
+/// their sparse part.
+std::vector<int> takeIndices(json& root)
+{
+    std::vector<int> indices;
+    for (auto& mesh : arrayIn(root, "meshes"))
+        for (auto& primitive : arrayIn(mesh, "primitives")) {
+            indices.push_back(primitive.value("indices", -1));
+            primitive.erase("indices");
+        }
+    return indices;
+}
+
+/// Puts them into the model.
+void giveIndices(const std::vector<int>& indices, tinygltf::Model& model)
+{
+    auto next = indices.begin();
+    for (auto& mesh : model.meshes)
+        for (auto& primitive : mesh.primitives)
+            primitive.indices = *next++;
 }
 
 bool isContent(const std::string& name, void* contents)
@@ -265,6 +296,7 @@ File readFile(const std::filesystem::path& path, bool allowOutside)
     for (const auto& image : root.value("images", json::array()))
         imageNames.push_back(image.value("uri", std::string()));
     auto contents = readContents(file, root, container.binary, file.hash);
+    const auto indices = takeIndices(root);
     tinygltf::TinyGLTF reader;
     reader.SetImageLoader(keepEncoded, nullptr);
     reader.SetFsCallbacks(
@@ -273,6 +305,7 @@ File readFile(const std::filesystem::path& path, bool allowOutside)
     const auto text = root.dump();
     if (!reader.LoadASCIIFromString(&file.model, &error, &warning, text.data(), unsigned(text.size()), ""))
         fail("{}: damaged: {}; export it again", file.name(), printable(error.substr(0, error.find('\n'))));
+    giveIndices(indices, file.model);
     for (size_t i = 0; i < file.model.images.size(); ++i)
         file.model.images[i].uri = Resources::isData(imageNames[i]) ? "" : imageNames[i];
     return file;

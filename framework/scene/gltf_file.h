@@ -8,6 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <tiny_gltf.h>
 
+#include <cstdint>
 #include <functional>
 #include <initializer_list>
 #include <span>
@@ -56,9 +57,14 @@ File readFile(const std::filesystem::path& path, bool allowOutside);
 /// All bytes of a file.
 std::vector<uint8_t> readBytes(const std::filesystem::path& path);
 
-/// Check the JSON against the parts of the glTF schema that the reader relies on: types, array lengths, index
-/// ranges, buffer view ranges. tinygltf ignores optional members of the wrong type and trusts indices; after this
-/// check neither matters. Throws Error naming the JSON path.
+/// Write each number as the type that its readers ask for: 4, 4.0 and 4e0 become an integer [glTF 2.0, 2.7]. What is
+/// larger than any index or offset becomes a double. In extensions and extras, where tinygltf casts integers to int, so
+/// does what is larger than an int.
+void unifyNumbers(nlohmann::json& root);
+
+/// Check the JSON, its numbers unified, against the parts of the glTF schema that the reader relies on: types, array
+/// lengths, index ranges, buffer view ranges. tinygltf ignores optional members of the wrong type and trusts indices;
+/// after this check neither matters. Throws Error naming the JSON path.
 void checkStructure(const std::string& file, const nlohmann::json& root);
 
 /// FNV-1a, 64 bit (Fowler, Noll, Vo), continued from `hash`.
@@ -67,11 +73,12 @@ uint64_t hashBytes(const void* bytes, size_t size, uint64_t hash = 0xcbf29ce4842
 /// "mesh 3 'Floor'", or "mesh 3" where it has no name.
 std::string label(std::string_view kind, size_t index, const std::string& name);
 
-/// All elements of an accessor as floats, element after element; integers are normalised where the accessor says so.
-/// `place` names it in errors ("mesh 3 'Floor' POSITION"); the accessor's type must be one of `types`
-/// (TINYGLTF_TYPE_*). Throws Error when it leaves its buffer view, has another type, or holds a NaN or an infinity.
+/// The elements of an accessor as floats, element after element, no more than the first `most`; integers are normalised
+/// where the accessor says so. `place` names it in errors ("mesh 3 'Floor' POSITION"); the accessor's type must be one
+/// of `types` (TINYGLTF_TYPE_*). Throws Error when it leaves its buffer view, has another type, or when what is read
+/// holds a NaN or an infinity.
 std::vector<float> readFloats(const File& file, int accessor, const std::string& place,
-                              std::initializer_list<int> types);
+                              std::initializer_list<int> types, size_t most = SIZE_MAX);
 
 /// Throws Error when an accessor leaves its buffer view; what it counts is then bounded.
 void checkAccessor(const File& file, int accessor, const std::string& place);
@@ -94,6 +101,9 @@ struct JpegImage {
     std::vector<uint8_t> rgba;
     std::string message;  ///< the error, or the first warning about damaged data; empty: none
 };
+
+/// Is a JPEG of so many scans a bomb rather than a picture?
+bool hasTooManyScans(uint64_t scans, uint32_t width, uint32_t height);
 
 JpegImage decodeJpeg(std::span<const uint8_t> encoded, const CheckSize& check);
 

@@ -76,11 +76,8 @@ public:
     void read()
     {
         checkCost();
-        for (const auto& [node, shape] : shapes_) {
-            const uint32_t mesh = meshOf(shape);
-            if (scene_.meshes[mesh].triangleCount > 0)
-                scene_.instances.push_back({mesh, shape.skin < 0 ? uint32_t(node) : addWorldNode(node)});
-        }
+        for (const auto& [node, shape] : shapes_)
+            shape.skin < 0 ? addInstance(meshOf(shape), uint32_t(node)) : addSkinned(shape, node);
         if (movesSkins())
             warnOfDeformation(file_);
     }
@@ -110,27 +107,35 @@ private:
         checkMemory(file_.name(), fmt::format("the geometry of {} triangles", triangles), bytes, "simplify the scene");
     }
 
-    /// The scene's mesh of a shape, made on first use.
+    /// The scene's mesh of a shape without a skin, made on first use.
     uint32_t meshOf(const Shape& shape)
     {
         if (const auto found = meshes_.find(shape); found != meshes_.end())
             return found->second;
-        if (shape.skin < 0)
-            return meshes_[shape] = addMesh(file_, shape, nullptr, scene_);
+        return meshes_[shape] = addMesh(file_, shape, nullptr, scene_);
+    }
+
+    void addInstance(uint32_t mesh, uint32_t node)
+    {
+        if (scene_.meshes[mesh].triangleCount > 0)
+            scene_.instances.push_back({mesh, node});
+    }
+
+    /// A skinned mesh stands where its joints are, in the world; its node's matrix does not act [glTF 2.0, 3.7.3.3].
+    void addSkinned(const Shape& shape, size_t node)
+    {
         if (rest_.empty())
             rest_ = restPose(file_);
         const auto skin = readSkin(file_, shape, rest_);
-        return meshes_[shape] = addMesh(file_, shape, &skin, scene_);
-    }
-
-    /// A skinned mesh stands where its joints are, in world space; its node's matrix does not act [glTF 2.0, 3.7.3.3].
-    uint32_t addWorldNode(size_t node)
-    {
+        const uint32_t mesh = addMesh(file_, shape, &skin, scene_);
+        if (scene_.meshes[mesh].triangleCount == 0)
+            return;
         Node world;
         world.name = scene_.nodes[node].name + " (skinned)";
         world.gltfIndex = scene_.nodes[node].gltfIndex;
+        world.translation = skin.place;
         scene_.nodes.push_back(world);
-        return uint32_t(scene_.nodes.size() - 1);
+        scene_.instances.push_back({mesh, uint32_t(scene_.nodes.size() - 1)});
     }
 
     /// Does an animation move a joint of a skin that is shown?
@@ -154,7 +159,7 @@ private:
     size_t count_;  ///< of the file's nodes in the scene
     std::map<size_t, Shape> shapes_;  ///< of the scene's nodes that show something
     std::map<Shape, uint32_t> meshes_;
-    std::vector<glm::mat4> rest_;
+    std::vector<glm::dmat4> rest_;
 };
 
 }  // namespace

@@ -38,14 +38,15 @@ void keepWarning(j_common_ptr codec, int level)
 }
 
 /// Every scan of a progressive file goes over the whole image, and a scan may be a few bytes long. 67 million pixels
-/// may have 32 scans, and 1024 x 1024 have 2048. Encoders write about 10.
+/// may have 32 scans, and 1024 x 1024 have 2048.
 constexpr uint64_t MAX_SCANNED_PIXELS = 1ull << 31;
+/// As many an image of any size may have. Encoders write about 10.
+constexpr uint64_t USUAL_SCANS = 16;
 
 void limitScans(j_common_ptr codec)
 {
     const auto& image = *reinterpret_cast<j_decompress_ptr>(codec);
-    const uint64_t pixels = uint64_t(image.image_width) * image.image_height;
-    if (uint64_t(image.input_scan_number) * pixels <= MAX_SCANNED_PIXELS)
+    if (!hasTooManyScans(uint64_t(image.input_scan_number), image.image_width, image.image_height))
         return;
     std::snprintf(managerOf(codec).message, sizeof managerOf(codec).message, "it has too many scans");
     std::longjmp(managerOf(codec).escape, 1);
@@ -90,6 +91,11 @@ bool decompress(jpeg_decompress_struct& codec, ErrorManager& manager, std::span<
 }
 
 }  // namespace
+
+bool hasTooManyScans(uint64_t scans, uint32_t width, uint32_t height)
+{
+    return scans > USUAL_SCANS && scans * width * height > MAX_SCANNED_PIXELS;
+}
 
 JpegImage decodeJpeg(std::span<const uint8_t> encoded, const CheckSize& check)
 {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <tuple>
 
@@ -11,9 +12,8 @@ namespace restirpg::gltf {
 
 namespace {
 
-/// KHR_materials_ior: 0 asks for total reflection. The nearest physical surface; a larger ratio differs by less than
-/// 0.1%.
-constexpr float TOTALLY_REFLECTING_IOR = 100;
+/// Far beyond any matter's. KHR_materials_ior's 0, total reflection, is kept as it is: shaders take it for infinite.
+constexpr float LARGEST_IOR = 100;
 
 /// Where the specification sets no limit: beyond any use, and so small that products and squares stay finite.
 constexpr float BOUNDLESS = 1e6f;
@@ -176,9 +176,9 @@ private:
         if (const auto* strength = extension(source.extensions, "KHR_materials_emissive_strength"))
             material.emission *=
                 factors_.number(number(*strength, "emissiveStrength", 1), "emissiveStrength", 0, 1e30f);
-        if (material.emission == glm::vec3(0))
-            return;
-        material.flags |= MATERIAL_EMISSIVE;
+        if (material.emission != glm::vec3(0))
+            material.flags |= MATERIAL_EMISSIVE;
+        // Of a dark emitter too: an edit may light it.
         material.emissiveMap = reference(coreInfo(source.emissiveTexture), true);
     }
 
@@ -186,10 +186,7 @@ private:
     {
         const auto* extended = extension(source.extensions, "KHR_materials_ior");
         const float ior = extended ? number(*extended, "ior", 1.5) : 1.5f;
-        if (ior == 0)
-            warn("{}: {}: ior 0 (total reflection) is approximated by {}", file_.name(), place_,
-                 TOTALLY_REFLECTING_IOR);
-        material.ior = ior == 0 ? TOTALLY_REFLECTING_IOR : factors_.number(ior, "ior", 1, TOTALLY_REFLECTING_IOR);
+        material.ior = ior == 0 ? 0 : factors_.number(ior, "ior", 1, LARGEST_IOR);
         if (const auto* specular = extension(source.extensions, "KHR_materials_specular")) {
             material.specular = factors_.number(number(*specular, "specularFactor", 1), "specularFactor", 0, 1);
             material.specularColor =
@@ -210,10 +207,11 @@ private:
         if (!volume || factors_.number(number(*volume, "thicknessFactor", 0), "thicknessFactor", 0, 1e30f) == 0)
             return;
         material.flags |= MATERIAL_SOLID;
-        if (!member(*volume, "attenuationDistance"))
+        const auto* given = member(*volume, "attenuationDistance");
+        if (!given)
             return;  // infinite
-        const float distance = factors_.number(number(*volume, "attenuationDistance", 0), "attenuationDistance",
-                                               SHORTEST_ATTENUATION, 1e30f);
+        const float distance = factors_.number(given->GetNumberAsDouble(), "attenuationDistance", SHORTEST_ATTENUATION,
+                                               std::numeric_limits<float>::max());
         const auto through = factors_.color(color(*volume, "attenuationColor", glm::vec3(1)), "attenuationColor", 1);
         material.absorption = -glm::log(glm::max(through, DARKEST_ATTENUATION)) / distance;
     }

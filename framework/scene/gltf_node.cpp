@@ -1,8 +1,11 @@
 // The node hierarchy of the default scene, and what hangs on it: cameras, lights, animation.
+#include "core/memory.h"
 #include "scene/gltf_file.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 #include <utility>
 
 namespace restirpg::gltf {
@@ -22,12 +25,23 @@ public:
         addCameras();
         addLights();
         for (const auto& animation : file_.model.animations)
-            addAnimation(animation);
+            chooseChannels(animation);
+        checkKeys();
+        for (const auto& [target, played] : played_)
+            addChannel(target, played);
         for (const auto& channel : scene_.channels)
             scene_.duration = std::max(scene_.duration, channel.times.back());
     }
 
 private:
+    /// What a channel moves: a node, and what of it.
+    using Target = std::pair<uint32_t, AnimationChannel::Path>;
+
+    struct Played {
+        const tinygltf::AnimationSampler* sampler;
+        std::string place;  ///< for messages
+    };
+
     /// Roots of the default scene; without any scene, the nodes that are nobody's child.
     std::vector<int> roots() const
     {
@@ -105,6 +119,9 @@ private:
             light.intensity = glm::vec3(float(std::max(source.intensity, 0.0)));
             for (int c = 0; c < 3 && source.color.size() == 3; ++c)
                 light.intensity[c] *= std::max(float(source.color[size_t(c)]), 0.0f);
+            if (source.range > 0 && light.type != LIGHT_DIRECTIONAL)
+                warn("{}: the range of lights is ignored; their light falls off with the square of the distance",
+                     file_.name());
             light.innerCone = float(source.spot.innerConeAngle);
             light.outerCone = float(source.spot.outerConeAngle);
             // As the file has them: in float they may be equal.
@@ -128,7 +145,8 @@ private:
              label("light", index, source.name), printable(source.type));
     }
 
-    void addAnimation(const tinygltf::Animation& animation)
+    /// All animations are played at once; of two channels that move the same, the last in the file is.
+    void chooseChannels(const tinygltf::Animation& animation)
     {
         const auto place = label("animation", size_t(&animation - file_.model.animations.data()), animation.name);
         for (size_t i = 0; i < animation.channels.size(); ++i) {
@@ -147,24 +165,46 @@ private:
             if (size_t(source.sampler) >= animation.samplers.size())
                 fail("{}: {}: channel {} has sampler {} of {}; export it again", file_.name(), place, i, source.sampler,
                      animation.samplers.size());
-            addChannel(source, animation.samplers[size_t(source.sampler)], node,
-                       fmt::format("{} channel {}", place, i));
+            Played played{&animation.samplers[size_t(source.sampler)], fmt::format("{} channel {}", place, i)};
+            const Target target{node, path(source.target_path, played.place)};
+            if (!played_.insert_or_assign(target, std::move(played)).second)
+                warnOfReplaced(node, source.target_path);
         }
     }
 
-    void addChannel(const tinygltf::AnimationChannel& source, const tinygltf::AnimationSampler& sampler, uint32_t node,
-                    const std::string& place)
+    void warnOfReplaced(uint32_t node, const std::string& what)
     {
+        if (!std::exchange(warnedOfReplaced_, true))
+            warn("{}: {}: two animations or channels move its {}; the last in the file is played", file_.name(),
+                 label("node", scene_.nodes[node].gltfIndex, scene_.nodes[node].name), what);
+    }
+
+    /// Every channel keeps keys of its own: those that share a sampler may ask for more than the file holds.
+    void checkKeys() const
+    {
+        uint64_t bytes = 0;
+        for (const auto& [target, played] : played_)
+            for (const auto& [accessor, size] : {std::pair(played.sampler->input, sizeof(float)),
+                                                 std::pair(played.sampler->output, sizeof(glm::vec4))}) {
+                checkAccessor(file_, accessor, played.place);
+                bytes += size * file_.model.accessors[size_t(accessor)].count;
+            }
+        checkMemory(file_.name(), fmt::format("the animation of {} channels", played_.size()), bytes,
+                    "give it fewer keys or channels");
+    }
+
+    void addChannel(const Target& target, const Played& played)
+    {
+        const auto& [sampler, place] = played;
         AnimationChannel channel;
-        channel.node = node;
-        channel.path = path(source.target_path, place);
-        channel.interpolation = interpolation(sampler.interpolation, place);
-        channel.times = readFloats(file_, sampler.input, place + " times", {TINYGLTF_TYPE_SCALAR});
+        std::tie(channel.node, channel.path) = target;
+        channel.interpolation = interpolation(sampler->interpolation, place);
+        channel.times = readFloats(file_, sampler->input, place + " times", {TINYGLTF_TYPE_SCALAR});
         if (channel.times.empty() || !std::is_sorted(channel.times.begin(), channel.times.end()))
             fail("{}: {}: key times must ascend; export it again", file_.name(), place);
         const bool rotates = channel.path == AnimationChannel::Path::rotation;
         const auto values =
-            readFloats(file_, sampler.output, place + " values", {rotates ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3});
+            readFloats(file_, sampler->output, place + " values", {rotates ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3});
         const size_t components = rotates ? 4 : 3;
         const bool cubic = channel.interpolation == AnimationChannel::Interpolation::cubicSpline;
         if (values.size() / components != channel.times.size() * (cubic ? 3 : 1))
@@ -172,19 +212,7 @@ private:
                  channel.times.size());
         for (size_t i = 0; i < values.size(); i += components)
             channel.values.emplace_back(values[i], values[i + 1], values[i + 2], rotates ? values[i + 3] : 0.0f);
-        replaceOther(channel, source.target_path);
         scene_.channels.push_back(std::move(channel));
-    }
-
-    /// All animations are played at once; of two channels that move the same, the last in the file is.
-    void replaceOther(const AnimationChannel& channel, const std::string& what)
-    {
-        const auto replaced = std::erase_if(scene_.channels, [&](const auto& other) {
-            return other.node == channel.node && other.path == channel.path;
-        });
-        if (replaced && !std::exchange(warnedOfReplaced_, true))
-            warn("{}: {}: two animations or channels move its {}; the last in the file is played", file_.name(),
-                 label("node", scene_.nodes[channel.node].gltfIndex, scene_.nodes[channel.node].name), what);
     }
 
     AnimationChannel::Path path(const std::string& name, const std::string& place) const
@@ -213,6 +241,7 @@ private:
 
     const File& file_;
     Scene& scene_;
+    std::map<Target, Played> played_;
     bool warnedOfReplaced_ = false;
     std::vector<uint32_t> sceneNode_;  ///< of each glTF node, INVALID_INDEX: not in the default scene
 };
@@ -226,22 +255,22 @@ Node makeNode(const File& file, size_t index, int parent)
     node.name = source.name;
     node.parent = parent;
     node.gltfIndex = uint32_t(index);
-    const auto vector = [](const std::vector<double>& v) { return glm::vec3(v[0], v[1], v[2]); };
+    const auto vector = [](const std::vector<double>& v) { return glm::dvec3(v[0], v[1], v[2]); };
     if (!source.translation.empty())
         node.translation = vector(source.translation);
     if (!source.scale.empty())
         node.scale = vector(source.scale);
     if (!source.rotation.empty()) {
         const auto& r = source.rotation;
-        node.rotation = glm::quat(float(r[3]), float(r[0]), float(r[1]), float(r[2]));
+        node.rotation = glm::dquat(r[3], r[0], r[1], r[2]);
         if (!(glm::length(node.rotation) > 0))
             fail("{}: {}: rotation is zero; export it again", file.name(), label("node", index, source.name));
         node.rotation = glm::normalize(node.rotation);
     }
     if (!source.matrix.empty()) {
-        glm::mat4 matrix;
+        glm::dmat4 matrix;
         for (int i = 0; i < 16; ++i)
-            matrix[i / 4][i % 4] = float(source.matrix[size_t(i)]);
+            matrix[i / 4][i % 4] = source.matrix[size_t(i)];
         node.matrix = matrix;
     }
     return node;

@@ -35,7 +35,10 @@ struct Shape {
 
 /// A skin in its rest pose.
 struct Skin {
-    std::vector<glm::mat4> joints;  ///< world matrix of each joint times its inverse bind matrix
+    /// Where the first joint stands in the world. The matrices are relative to it: far from the origin floats are
+    /// coarse.
+    glm::dvec3 place{0};
+    std::vector<glm::mat4> joints;  ///< matrix of each joint times its inverse bind matrix
     glm::mat4 unbound{1};  ///< of primitives without joints
 };
 
@@ -49,32 +52,34 @@ uint32_t addMesh(const File& file, const Shape& shape, const Skin* skin, Scene& 
 void clearNeedlessMasks(Scene& scene);
 
 /// World matrices of the file's nodes without animation; singular ones stay singular.
-std::vector<glm::mat4> restPose(const File& file);
+std::vector<glm::dmat4> restPose(const File& file);
 
-Skin readSkin(const File& file, const Shape& shape, const std::vector<glm::mat4>& rest);
+Skin readSkin(const File& file, const Shape& shape, const std::vector<glm::dmat4>& rest);
 
-/// Add the morph targets' displacements times their weights [glTF 2.0, 3.7.2.2].
+/// Add the morph targets' displacements times their weights [glTF 2.0, 3.7.2.2]. Colours stay within 0..1.
 void applyMorph(const File& file, const tinygltf::Primitive& primitive, const std::vector<double>& weights,
                 Source& source);
 
-/// Move vertices by the weighted mean of their joints' matrices, into world space [glTF 2.0, 3.7.3.3].
+/// Move vertices by the weighted mean of their joints' matrices, into the world, relative to the skin's place [glTF
+/// 2.0, 3.7.3.3].
 void applySkin(const File& file, const tinygltf::Primitive& primitive, const Skin& skin, Source& source);
 
-/// Regroup floats; a component that the file lacks is 1 (the alpha of a COLOR_0 of three).
+/// Regroup floats; a component that the file lacks is `missing`.
 template <typename V>
-std::vector<V> toVectors(const std::vector<float>& values, size_t stride)
+std::vector<V> toVectors(const std::vector<float>& values, size_t stride, float missing)
 {
-    std::vector<V> vectors(values.size() / stride, V(1));
+    std::vector<V> vectors(values.size() / stride, V(missing));
     for (size_t i = 0; i < vectors.size(); ++i)
         for (size_t c = 0; c < stride; ++c)
             vectors[i][int(c)] = values[i * stride + c];
     return vectors;
 }
 
-/// Read an optional attribute; its count must be that of the positions.
+/// Read an optional attribute; its count must be that of the positions. A component that the file lacks is `missing`
+/// (the alpha of a COLOR_0 of three is 1).
 template <typename V>
 std::vector<V> readAttribute(const File& file, const std::map<std::string, int>& attributes, const Source& source,
-                             const std::string& name, std::initializer_list<int> types)
+                             const std::string& name, std::initializer_list<int> types, float missing = 1)
 {
     const auto found = attributes.find(name);
     if (found == attributes.end())
@@ -85,7 +90,7 @@ std::vector<V> readAttribute(const File& file, const std::map<std::string, int>&
         fail("{}: {}: accessor {} has {} elements for {} positions; export it again", file.name(), place, found->second,
              accessor.count, source.positions.size());
     const auto values = readFloats(file, found->second, place, types);
-    return toVectors<V>(values, size_t(tinygltf::GetNumComponentsInType(uint32_t(accessor.type))));
+    return toVectors<V>(values, size_t(tinygltf::GetNumComponentsInType(uint32_t(accessor.type))), missing);
 }
 
 }  // namespace restirpg::gltf

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 namespace restirpg::gltf {
@@ -12,7 +13,17 @@ namespace {
 
 using nlohmann::json;
 
-enum class Kind { object, text, truth, size, number, vector, index };
+enum class Kind {
+    object,
+    text,
+    truth,
+    size,  ///< counts, and what else tinygltf takes for an int
+    bytes,
+    number,
+    distance,  ///< a number that may stand for infinity
+    vector,
+    index
+};
 
 /// One member: `path` from the root, where `name[]` goes over an array and `*` over all members of an object.
 struct Rule {
@@ -23,8 +34,10 @@ struct Rule {
     std::string target = {};  ///< index: path of the array that it points into
 };
 
-/// Integers beyond this do not fit tinygltf's int; numbers beyond float's range do not fit ours.
+/// Integers beyond this do not fit tinygltf's int; it counts bytes, which end with the largest file, by a size_t.
 constexpr double LARGEST_INTEGER = 2147483647.0;
+constexpr double LARGEST_FILE = 4294967295.0;
+/// Numbers beyond float's range do not fit ours.
 constexpr double LARGEST_NUMBER = 1e30;
 
 /// The members of a textureInfo at `path`, KHR_texture_transform included.
@@ -60,7 +73,7 @@ void addMaterials(std::vector<Rule>& rules)
                                   {extension + "specular.specularFactor", Kind::number},
                                   {extension + "specular.specularColorFactor", Kind::vector, false, 3},
                                   {extension + "volume.thicknessFactor", Kind::number},
-                                  {extension + "volume.attenuationDistance", Kind::number},
+                                  {extension + "volume.attenuationDistance", Kind::distance},
                                   {extension + "volume.attenuationColor", Kind::vector, false, 3},
                               });
     for (const char* slot : {"pbrMetallicRoughness.baseColorTexture", "pbrMetallicRoughness.metallicRoughnessTexture",
@@ -115,16 +128,17 @@ std::vector<Rule> makeRules()
     std::vector<Rule> rules = {
         {"asset", Kind::object, true},
         {"asset.version", Kind::text, true},
+        {"asset.minVersion", Kind::text},
         {"extensionsUsed[]", Kind::text},
         {"extensionsRequired[]", Kind::text},
-        {"buffers[].byteLength", Kind::size, true},
+        {"buffers[].byteLength", Kind::bytes, true},
         {"buffers[].uri", Kind::text},
         {"bufferViews[].buffer", Kind::index, true, 0, "buffers"},
-        {"bufferViews[].byteOffset", Kind::size},
-        {"bufferViews[].byteLength", Kind::size, true},
+        {"bufferViews[].byteOffset", Kind::bytes},
+        {"bufferViews[].byteLength", Kind::bytes, true},
         {"bufferViews[].byteStride", Kind::size},
         {"accessors[].bufferView", Kind::index, false, 0, "bufferViews"},
-        {"accessors[].byteOffset", Kind::size},
+        {"accessors[].byteOffset", Kind::bytes},
         {"accessors[].count", Kind::size, true},
         {"accessors[].componentType", Kind::size, true},
         {"accessors[].normalized", Kind::truth},
@@ -213,8 +227,10 @@ private:
     void checkValue(const json& value) const
     {
         const auto isNumber = [](const json& x) {
-            const double largest = x.is_number_integer() ? LARGEST_INTEGER : LARGEST_NUMBER;
-            return x.is_number() && std::abs(x.get<double>()) <= largest;
+            return x.is_number() && std::abs(x.get<double>()) <= LARGEST_NUMBER;
+        };
+        const auto isCount = [&](double largest) {
+            return value.is_number_unsigned() && value.get<double>() <= largest;
         };
         switch (rule_->kind) {
         case Kind::object:
@@ -224,9 +240,13 @@ private:
         case Kind::truth:
             return value.is_boolean() ? void() : complain("true or false");
         case Kind::size:
-            return value.is_number_unsigned() && isNumber(value) ? void() : complain("an integer from 0 to 2147483647");
+            return isCount(LARGEST_INTEGER) ? void() : complain("an integer from 0 to 2147483647");
+        case Kind::bytes:
+            return isCount(LARGEST_FILE) ? void() : complain("an integer from 0 to 4294967295");
         case Kind::number:
             return isNumber(value) ? void() : complain("a number of at most 1e30");
+        case Kind::distance:
+            return value.is_number() ? void() : complain("a number");
         case Kind::vector:
             if (!value.is_array() || value.size() != rule_->length ||
                 !std::all_of(value.begin(), value.end(), isNumber))
@@ -267,6 +287,34 @@ private:
     std::string place_;
 };
 
+/// Is a version "MAJOR.MINOR" beyond 2.0? Text that is none is not.
+bool isBeyondTwo(const std::string& version)
+{
+    double number = 0;
+    std::from_chars(version.data(), version.data() + version.size(), number);
+    return number > 2;
+}
+
+/// As unifyNumbers: integers are those up to `largest`.
+void unifyNumbersUpTo(json& value, double largest)
+{
+    if (value.is_object())
+        for (auto& [name, member] : value.items())
+            unifyNumbersUpTo(member, name == "extensions" || name == "extras" ? LARGEST_INTEGER : largest);
+    else if (value.is_array())
+        for (auto& element : value)
+            unifyNumbersUpTo(element, largest);
+    else if (value.is_number()) {
+        const double number = value.get<double>();
+        if (std::abs(number) > largest || number != std::floor(number))
+            value = number;
+        else if (number < 0)
+            value = int64_t(number);
+        else
+            value = uint64_t(number);
+    }
+}
+
 void checkBufferViews(const std::string& file, const json& root)
 {
     const auto views = root.value("bufferViews", json::array());
@@ -281,6 +329,11 @@ void checkBufferViews(const std::string& file, const json& root)
 
 }  // namespace
 
+void unifyNumbers(json& root)
+{
+    unifyNumbersUpTo(root, LARGEST_FILE);
+}
+
 void checkStructure(const std::string& file, const json& root)
 {
     if (!root.is_object())
@@ -292,6 +345,10 @@ void checkStructure(const std::string& file, const json& root)
     const auto version = root["asset"]["version"].get<std::string>();
     if (version.rfind("2.", 0) != 0)
         fail("{}: asset.version {}: only glTF 2 is read; export it as glTF 2.0", file, printable(version));
+    // What a file needs at least; its version may be later.
+    const auto least = root["asset"].value("minVersion", std::string("2.0"));
+    if (isBeyondTwo(least))
+        fail("{}: asset.minVersion {}: only glTF 2.0 is read; export it as glTF 2.0", file, printable(least));
     checkBufferViews(file, root);
 }
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 namespace restirpg {
 
@@ -29,25 +30,25 @@ uint32_t wrapTexel(double texel, uint32_t size, Texture::Wrap wrap)
     return uint32_t(std::clamp(texel, 0.0, n - 1));
 }
 
-glm::quat asQuaternion(glm::vec4 v)
+glm::dquat asQuaternion(const glm::dvec4& v)
 {
     return {v.w, v.x, v.y, v.z};
 }
 
 /// Cubic Hermite with tangents per second [glTF 2.0, appendix C]; `key` and `key + 1` enclose the time.
-glm::vec4 cubicSpline(const AnimationChannel& channel, size_t key, float t, float seconds)
+glm::dvec4 cubicSpline(const AnimationChannel& channel, size_t key, double t, double seconds)
 {
-    const auto& v = channel.values;
-    const auto value0 = v[3 * key + 1], out0 = v[3 * key + 2], in1 = v[3 * key + 3], value1 = v[3 * key + 4];
-    const float t2 = t * t, t3 = t2 * t;
+    const auto value = [&](size_t i) { return glm::dvec4(channel.values[3 * key + i]); };
+    const auto value0 = value(1), out0 = value(2), in1 = value(3), value1 = value(4);
+    const double t2 = t * t, t3 = t2 * t;
     return (2 * t3 - 3 * t2 + 1) * value0 + seconds * (t3 - 2 * t2 + t) * out0 + (-2 * t3 + 3 * t2) * value1 +
            seconds * (t3 - t2) * in1;
 }
 
-glm::vec4 valueAt(const AnimationChannel& channel, float time)
+glm::dvec4 valueAt(const AnimationChannel& channel, float time)
 {
     const bool cubic = channel.interpolation == AnimationChannel::Interpolation::cubicSpline;
-    const auto keyValue = [&](size_t key) { return channel.values[cubic ? 3 * key + 1 : key]; };
+    const auto keyValue = [&](size_t key) { return glm::dvec4(channel.values[cubic ? 3 * key + 1 : key]); };
     const auto& times = channel.times;
     if (!(time > times.front()))  // nor is NaN
         return keyValue(0);
@@ -56,8 +57,8 @@ glm::vec4 valueAt(const AnimationChannel& channel, float time)
     const size_t key = size_t(std::upper_bound(times.begin(), times.end(), time) - times.begin()) - 1;
     if (channel.interpolation == AnimationChannel::Interpolation::step)
         return keyValue(key);
-    const float seconds = times[key + 1] - times[key];
-    const float t = (time - times[key]) / seconds;
+    const double seconds = double(times[key + 1]) - times[key];
+    const double t = (double(time) - times[key]) / seconds;
     if (cubic)
         return cubicSpline(channel, key, t, seconds);
     if (channel.path != AnimationChannel::Path::rotation)
@@ -117,13 +118,41 @@ glm::mat4 invertible(const glm::mat4& matrix)
     return placed(m * extent);
 }
 
+/// The cross product of two edges of a larger triangle can have a square beyond float's range: kernels would find no
+/// normal, and the surface would be black.
+constexpr float LARGEST_SCENE = 3e9f;
+
+/// Exact bounds of all instances at time 0.
+Bounds worldBounds(const Scene& scene)
+{
+    const auto pose = poseNodes(scene, 0);
+    Bounds bounds;
+    for (const auto& instance : scene.instances) {
+        const auto& mesh = scene.meshes[instance.mesh];
+        const auto& matrix = pose[instance.node];
+        for (uint32_t v = 0; v < mesh.vertexCount; ++v)
+            bounds.add(glm::vec3(matrix * glm::vec4(scene.positions[mesh.firstVertex + v], 1)));
+    }
+    return bounds;
+}
+
+/// Where coordinates are relative to: the middle of a scene that lies farther off than FAR of its own radii, where
+/// floats would be coarse.
+glm::vec3 originOf(const Bounds& bounds)
+{
+    constexpr float FAR = 64;
+    const auto center = 0.5f * (bounds.lower + bounds.upper);
+    const float radius = 0.5f * glm::length(bounds.upper - bounds.lower);
+    return glm::length(center) > FAR * radius ? center : glm::vec3(0);
+}
+
 }  // namespace
 
-glm::mat4 localMatrix(const Node& node)
+glm::dmat4 localMatrix(const Node& node)
 {
     if (node.matrix)
         return *node.matrix;
-    return glm::scale(glm::translate(glm::mat4(1), node.translation) * glm::mat4_cast(node.rotation), node.scale);
+    return glm::scale(glm::translate(glm::dmat4(1), node.translation) * glm::mat4_cast(node.rotation), node.scale);
 }
 
 glm::vec4 Texture::texel(uint32_t x, uint32_t y) const
@@ -179,28 +208,32 @@ std::vector<bool> animatedNodes(const Scene& scene)
 
 std::vector<glm::mat4> poseNodes(const Scene& scene, float time, const std::vector<std::optional<glm::mat4>>& overrides)
 {
-    auto nodes = scene.nodes;
+    std::unordered_map<uint32_t, Node> animated;  // by their place
     for (const auto& channel : scene.channels) {
         const auto value = valueAt(channel, time);
-        auto& node = nodes[channel.node];
+        auto& node = animated.try_emplace(channel.node, scene.nodes[channel.node]).first->second;
         switch (channel.path) {
         case AnimationChannel::Path::translation:
-            node.translation = glm::vec3(value);
+            node.translation = glm::dvec3(value);
             break;
         case AnimationChannel::Path::scale:
-            node.scale = glm::vec3(value);
+            node.scale = glm::dvec3(value);
             break;
         case AnimationChannel::Path::rotation: {
-            const float length = glm::length(value);
-            node.rotation = length > 0 ? asQuaternion(value / length) : glm::quat(1, 0, 0, 0);
+            const double length = glm::length(value);
+            node.rotation = length > 0 ? asQuaternion(value / length) : glm::dquat(1, 0, 0, 0);
         }
         }
     }
     // In double until the origin is taken off: what stands far from the world's origin keeps its place to a fraction of
     // its own size.
+    const auto& nodes = scene.nodes;
     std::vector<glm::dmat4> world(nodes.size());
     for (size_t i = 0; i < nodes.size(); ++i) {
-        const glm::dmat4 local(i < overrides.size() && overrides[i] ? *overrides[i] : localMatrix(nodes[i]));
+        const auto moved = animated.find(uint32_t(i));
+        const bool given = i < overrides.size() && overrides[i];
+        const auto local =
+            given ? glm::dmat4(*overrides[i]) : localMatrix(moved == animated.end() ? nodes[i] : moved->second);
         world[i] = nodes[i].parent < 0 ? local : world[size_t(nodes[i].parent)] * local;
     }
     std::vector<glm::mat4> pose(nodes.size());
@@ -215,6 +248,43 @@ std::vector<glm::mat4> poseNodes(const Scene& scene, float time, const std::vect
         pose[i] = invertible(pose[i]);
     }
     return pose;
+}
+
+void startAtWidestCorners(Scene& scene)
+{
+    const auto pose = poseNodes(scene, 0);
+    std::vector<bool> seen(scene.meshes.size());
+    for (const auto& instance : scene.instances) {
+        if (seen[instance.mesh])
+            continue;
+        seen[instance.mesh] = true;
+        const auto& mesh = scene.meshes[instance.mesh];
+        const glm::dmat3 toWorld(pose[instance.node]);
+        for (uint32_t t = mesh.firstTriangle; t < mesh.firstTriangle + mesh.triangleCount; ++t) {
+            auto& triangle = scene.triangles[t];
+            const auto edge = [&](int from, int to) {
+                return glm::length(toWorld * (glm::dvec3(scene.positions[mesh.firstVertex + triangle[to]]) -
+                                              glm::dvec3(scene.positions[mesh.firstVertex + triangle[from]])));
+            };
+            const double opposite[3] = {edge(1, 2), edge(2, 0), edge(0, 1)};
+            int first = 0;
+            for (const int i : {1, 2})
+                if (opposite[i] > opposite[first] || (opposite[i] == opposite[first] && triangle[i] < triangle[first]))
+                    first = i;
+            triangle = {triangle[first], triangle[(first + 1) % 3], triangle[(first + 2) % 3]};
+        }
+    }
+}
+
+Bounds deriveFromNodes(Scene& scene)
+{
+    scene.origin = glm::vec3(0);
+    const auto bounds = worldBounds(scene);
+    if (!(glm::length(bounds.upper - bounds.lower) + glm::length(bounds.upper) < LARGEST_SCENE))
+        fail("{}: the scene reaches beyond {} m; check the scale of its nodes", scene.file.string(), LARGEST_SCENE);
+    scene.origin = originOf(bounds);
+    startAtWidestCorners(scene);
+    return bounds;
 }
 
 Camera makeCamera(const CameraNode& camera, const glm::mat4& nodeToWorld, float aspect)

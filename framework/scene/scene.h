@@ -14,9 +14,9 @@
 
 namespace restirpg {
 
-/// Entries of a node's matrix, and coordinates of a camera's pose, from this on are beyond float's squares.
+/// Entries of node matrices and camera coordinates must be smaller in magnitude, so that their squares fit a float.
 constexpr float LARGEST_ENTRY = 1e15f;
-/// Fields of view are smaller, radians: pi leaves no picture.
+/// Vertical fields of view must be smaller, radians.
 constexpr float LARGEST_YFOV = 3.14159f;
 
 /// An image in memory. Exactly one of the two pixel arrays is filled. Rows from the top.
@@ -55,10 +55,11 @@ struct SceneMesh {
 struct Node {
     std::string name;
     int parent = -1;  ///< index into Scene::nodes, -1: a root
-    glm::vec3 translation{0};
-    glm::quat rotation{1, 0, 0, 0};
-    glm::vec3 scale{1};
-    std::optional<glm::mat4> matrix;  ///< replaces translation, rotation and scale
+    // Doubles, as a file has them: floats are coarse far from the origin.
+    glm::dvec3 translation{0};
+    glm::dquat rotation{1, 0, 0, 0};
+    glm::dvec3 scale{1};
+    std::optional<glm::dmat4> matrix;  ///< replaces translation, rotation and scale
     uint32_t gltfIndex = 0;  ///< index in the file
 };
 
@@ -155,7 +156,7 @@ struct Scene {
 };
 
 /// A node's matrix towards its parent.
-glm::mat4 localMatrix(const Node& node);
+glm::dmat4 localMatrix(const Node& node);
 
 /// World matrices of all nodes at a time, relative to Scene::origin, in the order of Scene::nodes. Times outside a
 /// channel's keys are clamped. Every one has an inverse: what is scaled to nothing becomes thinner than anything seen
@@ -163,6 +164,27 @@ glm::mat4 localMatrix(const Node& node);
 /// node that a user moved.
 std::vector<glm::mat4> poseNodes(const Scene& scene, float time,
                                  const std::vector<std::optional<glm::mat4>>& overrides = {});
+
+/// Turns the corners of every triangle so that the first is the one opposite its longest edge; the front stays. Rays of
+/// a long thin triangle then start close to it, at any shape (find_clearance of triangle.glsl). It is longest as the
+/// mesh's first instance stands at time 0: in another pose rays may start farther off. Of equal edges it is the one
+/// opposite the earliest vertex, so that triangles which were turned before are turned to the same corner.
+void startAtWidestCorners(Scene& scene);
+
+struct Bounds {
+    glm::vec3 lower{INFINITY};
+    glm::vec3 upper{-INFINITY};
+
+    void add(glm::vec3 p)
+    {
+        lower = glm::min(lower, p);
+        upper = glm::max(upper, p);
+    }
+};
+
+/// Whatever follows from the nodes' matrices, to be called when one has changed: Scene::origin and the triangles' first
+/// corners. Returns the bounds in the world at time 0. Throws Error where the scene reaches too far.
+Bounds deriveFromNodes(Scene& scene);
 
 /// Per node: does its animation, or that of a node above it, ever move it?
 std::vector<bool> animatedNodes(const Scene& scene);

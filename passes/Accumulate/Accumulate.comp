@@ -61,6 +61,8 @@ void main()
 
     if (params.sums != 0ul)
         StateArray(params.sums).at[pixel] = state;
+    if (params.value != 0ul)
+        Vec3Image(params.value).at[pixel] = x;
     if (params.mean != 0ul)
         Vec3Image(params.mean).at[pixel] = state.sum.high / float(max(state.count, 1u));
     if (params.variance != 0ul)

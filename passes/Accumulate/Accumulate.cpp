@@ -6,7 +6,7 @@
 namespace restirpg {
 
 static_assert(sizeof(AccumulatorState) == 56);
-static_assert(sizeof(AccumulateParameters) == 9 * sizeof(Address));
+static_assert(sizeof(AccumulateParameters) == 10 * sizeof(Address));
 
 class Accumulate final : public Pass {
 public:
@@ -19,6 +19,7 @@ public:
         io.input("history", history_, state, "the output sums, one frame ago: prev(\"accumulate.sums\")");
         io.ofFrameBefore();
         io.output("sums", sums_, state, "sums and counts of the frames since the last cut");
+        io.output("frame", value_, image(3), "this frame alone: the sum of the inputs");
         io.output("mean", mean_, image(3), "mean over the valid frames; 0 where there is none");
         io.output("variance", variance_, image(3),
                   "unbiased sample variance of a frame's value (that of the mean is 1/frames of it); 0 before the "
@@ -30,15 +31,15 @@ public:
 
     void record(Frame& frame) override
     {
-        const AccumulateParameters parameters{frame.constants(),    addressOf(direct_),   addressOf(indirect_),
-                                              addressOf(emission_), addressOf(history_),  addressOf(sums_),
-                                              addressOf(mean_),     addressOf(variance_), addressOf(invalid_)};
+        const AccumulateParameters parameters{
+            frame.constants(), addressOf(direct_), addressOf(indirect_), addressOf(emission_), addressOf(history_),
+            addressOf(sums_),  addressOf(value_),  addressOf(mean_),     addressOf(variance_), addressOf(invalid_)};
         frame.dispatchPixels(kernel_, parameters);
     }
 
 private:
     In<Buffer> direct_, indirect_, emission_, history_;
-    Out<Buffer> sums_, mean_, variance_, invalid_;
+    Out<Buffer> sums_, value_, mean_, variance_, invalid_;
     Kernel kernel_;
 };
 

@@ -20,6 +20,7 @@ struct AccumulateParameters {
     Address emission;
     Address history;  ///< AccumulatorState per pixel, of the frame before
     Address sums;  ///< the same, with this frame
+    Address value;  ///< of this frame
     Address mean;
     Address variance;
     Address invalid;

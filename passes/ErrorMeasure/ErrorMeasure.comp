@@ -40,14 +40,17 @@ void add_reference(inout ErrorSums sums, vec3 reference)
     sums.valid += 1u;
 }
 
+/// A squared term stops here, so that no sum of them overflows.
+const float LARGEST_SQUARE = 1e30;
+
 void add_errors(inout ErrorSums sums, uint pixel, vec3 value, vec3 reference)
 {
     DoubleSingle3 difference = two_sum(value, -reference);
     vec3 d = difference.high;
     vec3 absolute = relative(abs(d), mape_scale(reference));
     sums.absolute = ds_add(sums.absolute, absolute);
-    sums.relativeSquared = ds_add(sums.relativeSquared, d * (d / (reference * reference + 0.01)));
-    sums.squared = ds_add(sums.squared, d * d);
+    sums.relativeSquared = ds_add(sums.relativeSquared, min(d * (d / (reference * reference + 0.01)), vec3(LARGEST_SQUARE)));
+    sums.squared = ds_add(sums.squared, min(d * d, vec3(LARGEST_SQUARE)));
     sums.difference = ds_add(sums.difference, difference);
     if (params.map != 0ul)
         FloatImage(params.map).at[pixel] = dot(absolute, vec3(1.0 / 3.0));

@@ -4,6 +4,7 @@
 #include "scene/camera.glsl"
 #include "scene/environment.glsl"
 #include "scene/lights.glsl"
+#include "bsdf/transmittance.glsl"
 #include "restir/neighbours.glsl"
 #include "math/random.glsl"
 #include "scene/surface.glsl"
@@ -29,7 +30,8 @@ void write_surface(uint pixel, Hit hit, vec3 direction, vec2 size)
     if (params.surface != 0ul)
         PrimaryHitArray(params.surface).at[pixel] = make_primary_hit(hit, surface, frame.c.camera.position);
     if (params.emission != 0ul)
-        Vec3Image(params.emission).at[pixel] = triangle_emission(hit.instance, hit.triangle, hit.barycentrics, point.front);
+        Vec3Image(params.emission).at[pixel] = triangle_emission(hit.instance, hit.triangle, hit.barycentrics, point.front) *
+                                               transmittance_to_camera(point, frame.c.camera.position);
     if (params.normal != 0ul)
         Vec3Image(params.normal).at[pixel] = point.local_frame[2];
     if (params.geometricNormal != 0ul)
@@ -60,7 +62,7 @@ void write_miss(uint pixel, Hit hit, vec3 direction, vec2 point, vec2 size)
         FloatImage(params.depth).at[pixel] = 0.0;
     if (params.motion != 0ul) {
         // Infinitely far: only the camera's rotation moves it.
-        vec3 before = camera_project(frame.c.previousCamera, frame.c.previousCamera.position + direction, size);
+        vec3 before = camera_project_direction(frame.c.previousCamera, direction, size);
         Vec2Image(params.motion).at[pixel] = before.xy - point;
     }
     if (params.material != 0ul)

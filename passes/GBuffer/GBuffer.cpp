@@ -22,6 +22,7 @@ public:
         io.knob("jitter", jitter_,
                 "sample the pixel uniformly (box filter) instead of at its centre; reuse over pixels or frames needs "
                 "the centre");
+        io.structural();
     }
 
     void build(Device& device) override { kernel_ = Kernel(device, passFile("GBuffer.comp")); }

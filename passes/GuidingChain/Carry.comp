@@ -10,7 +10,7 @@ void main()
 {
     frame = FrameRef(params.frame);
     uint from = gl_GlobalInvocationID.x;
-    if (from >= params.capacity)
+    if (from >= params.capacity || !same_places(GuidingHeaderRef(params.history).at.grid, GuidingHeaderRef(params.guide).at.grid))
         return;
     uint64_t key = GuidingKeyArray(guiding_keys(params.history)).at[from];
     if (key == 0ul || find_slot(params.guide, params.capacity, key) != INVALID_INDEX)

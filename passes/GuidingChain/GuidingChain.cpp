@@ -13,7 +13,7 @@ public:
     void describe(Interface& io) override
     {
         const PortType layout = guide("ChainGuide", fixedSize("", [this] { return bytes(); }), passFile("guide.glsl"));
-        io.input("samples", samples_, fixedSize("GuidingSamples", {}),
+        io.input("samples", samples_, anyPerPixel("GuidingSamples"),
                  "bounces of raw path trees, weighted by the light that came back: paths.samples");
         io.ofThisFrame();
         io.input("history", history_, layout, "the output guide, one frame ago: prev(\"guide.guide\")");
@@ -27,6 +27,7 @@ public:
         io.knob("smallest_cell", smallestCell_, 1e-5f, 1, "smallest side of a cell, as a share of the scene's radius");
         io.structural();
         io.knob("product", product_, "follow the incident radiance times BSDF and cosine; off: the radiance alone");
+        io.structural();
         io.knob(
             "spread", spread_, 0, 4,
             "side of the square around a bounce from which the cell that guides it is taken, in sides of a cell; 0: "
@@ -34,7 +35,9 @@ public:
         io.knob("decay", decay_, 0, 1,
                 "factor by which the light that a chain has found counts in the next frame: below 1, a chain leaves "
                 "even the brightest sample in the end");
-        io.knob("memory", memory_, 1, 65536, "most samples that a lobe's means stand for");
+        io.knob("memory", memory_, 1, 65536,
+                "largest number of samples that a lobe's means average; further samples enter with the weight "
+                "1 / memory");
         io.knob("concentration_prior", prior_, 0, 1000,
                 "keeps lobes of few samples wide, in square metres: a larger value makes them wider");
         io.knob("largest_kappa", largestKappa_, 1, 32000, "largest concentration (kappa) of a lobe");
@@ -51,8 +54,7 @@ public:
 
     void record(Frame& frame) override
     {
-        const uint64_t pixels = uint64_t(frame.width()) * frame.height();
-        const uint32_t stride = uint32_t(samples_->bytes() / (pixels * sizeof(GuidingSample)));
+        const uint32_t stride = samples_.countPerPixel<GuidingSample>();
         const GuidingChainParameters parameters{frame.constants(),
                                                 samples_->address(),
                                                 history_.empty ? 0 : history_->address(),

@@ -36,7 +36,7 @@ float chain_kappa(ChainState s, float distance, float prior, float largest)
 {
     float n = s.samples * s.samples;
     float r = s.cosine * n / (n + prior / max(distance * distance, 1e-12));
-    return r > 0.0 ? vmf_kappa(min(r, 1.0 - 1.0 / largest)) : 0.0;
+    return r > 0.0 ? min(vmf_kappa(r), largest) : 0.0;
 }
 
 /// The lobes of a cell's chains as they are seen from a position: of equal weight, for the chains spread by themselves in proportion to

@@ -34,7 +34,7 @@ void main()
 {
     frame = FrameRef(params.frame);
     uint slot = gl_GlobalInvocationID.x;
-    if (slot >= params.capacity)
+    if (slot >= params.capacity || !same_places(GuidingHeaderRef(params.history).at.grid, GuidingHeaderRef(params.guide).at.grid))
         return;
     uint64_t key = GuidingKeyArray(guiding_keys(params.history)).at[slot];
     if (key != 0ul)

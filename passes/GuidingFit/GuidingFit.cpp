@@ -23,7 +23,7 @@ public:
         io.knob("cells", cells_, 1u << 10, 1u << 21,
                 "slots of the hash table, rounded up to a power of two; GuidingSplat's must be the same");
         io.structural();
-        io.knob("minimum", minimum_, 1, 1e6f, "least number of samples that a cell is fitted to");
+        io.knob("minimum", minimum_, 1, 1e6f, "a cell with fewer samples than this is not fitted");
         io.knob("keep_samples", keepSamples_,
                 "a cell with fewer than `minimum` samples keeps them for the next frame; off: it drops them and keeps "
                 "its lobes");

@@ -32,8 +32,6 @@ VmfMixture fit_mixture(FitSums sums, VmfMixture before, FitPriors priors)
 {
     if (!(sums.count > 0.0))
         return before;
-    // The mean cosine, not kappa, is clamped: near 1 it has too few digits left.
-    float largest_cosine = 1.0 - 1.0 / priors.largest_kappa;
     VmfMixture m = before;
     for (uint k = 0u; k < GUIDING_LOBES; ++k) {
         m.weight[k] = k < priors.lobes ? (priors.weight + sums.share[k]) / (float(priors.lobes) * priors.weight + sums.count) : 0.0;
@@ -42,7 +40,7 @@ VmfMixture fit_mixture(FitSums sums, VmfMixture before, FitPriors priors)
         float effective = m.weight[k] * sums.count;
         float mean_cosine = len / max(sums.share[k], 1e-20);
         mean_cosine *= effective / max(priors.concentration + effective, 1e-20);
-        m.kappa[k] = vmf_kappa(min(mean_cosine, largest_cosine));
+        m.kappa[k] = min(vmf_kappa(mean_cosine), priors.largest_kappa);
         if (len > 0.0) {
             m.x[k] = r.x / len;
             m.y[k] = r.y / len;

@@ -21,7 +21,7 @@ public:
                  "the surface one frame ago: prev(\"gbuffer.surface\")");
         io.ofFrameBefore();
         io.input(
-            "samples", samples_, fixedSize("GuidingSamples", {}),
+            "samples", samples_, anyPerPixel("GuidingSamples"),
             "directions that paths took, weighted by the light they found, one frame ago: prev(\"paths.samples\")");
         io.ofFrameBefore();
         io.input("history", history_, statistics, "the output statistics, one frame ago: prev(\"guide.statistics\")");
@@ -34,7 +34,9 @@ public:
         io.output("peak", peak_, image(1), "the lobe's density at its mean direction, 1/sr");
         io.choice("lobe", lobe_, {{"gaussian", SCREEN_LOBE_GAUSSIAN}, {"vmf", SCREEN_LOBE_VMF}},
                   "a Gaussian in the equal-area square of the hemisphere about the normal, or a von Mises-Fisher lobe");
+        io.structural();
         io.knob("product", product_, "fit the incident radiance times BSDF and cosine; off: the radiance alone");
+        io.structural();
         io.knob("smoothing_floor", smoothingFloor_, 0.001f, 1,
                 "smallest share that a new sample has in the moments; before it is reached, they are plain means");
         io.knob("neighbours", neighbours_, 0, SCREEN_NEIGHBOURS,
@@ -54,14 +56,13 @@ public:
 
     void record(Frame& frame) override
     {
-        const uint64_t pixels = uint64_t(frame.width()) * frame.height();
         frame.dispatchPixels(
-            kernel_, GuidingScreenParameters{
-                         frame.constants(), surface_->address(), previousSurface_->address(), motion_->address(),
-                         samples_->address(), history_->address(), addressOf(statistics_), addressOf(guide_),
-                         addressOf(direction_), addressOf(peak_),
-                         uint32_t(samples_->bytes() / (pixels * sizeof(GuidingSample))), lobe_, product_, neighbours_,
-                         smoothingFloor_, prior_, regularisation_, normalThreshold_, depthThreshold_});
+            kernel_,
+            GuidingScreenParameters{frame.constants(), surface_->address(), previousSurface_->address(),
+                                    motion_->address(), samples_->address(), history_->address(),
+                                    addressOf(statistics_), addressOf(guide_), addressOf(direction_), addressOf(peak_),
+                                    samples_.countPerPixel<GuidingSample>(), lobe_, product_, neighbours_,
+                                    smoothingFloor_, prior_, regularisation_, normalThreshold_, depthThreshold_});
     }
 
 private:

@@ -11,9 +11,9 @@ public:
     void describe(Interface& io) override
     {
         // Whatever the bounce cap, readers take the vertices' count per pixel from the buffer's size.
-        io.optionalInput("vertices", vertices_, fixedSize("PathVertices", {}),
+        io.optionalInput("vertices", vertices_, anyPerPixel("PathVertices"),
                          "bounces of resampled paths, each of weight 1; wire this or `samples`");
-        io.optionalInput("samples", samples_, fixedSize("GuidingSamples", {}),
+        io.optionalInput("samples", samples_, anyPerPixel("GuidingSamples"),
                          "bounces of raw path trees, weighted by the light that came back; wire this or `vertices`");
         io.optionalInput("guide", guide_, fixedSize("GridGuide", {}),
                          "the guide that drew the paths, one frame ago: prev(\"fit.guide\")");
@@ -27,8 +27,8 @@ public:
         io.knob("smallest_cell", smallestCell_, 1e-5f, 1, "smallest side of a cell, as a share of the scene's radius");
         io.structural();
         io.knob("rows", rows_, 1, 1u << 16,
-                "rows of pixels that are added per frame, at most: of a higher image each n-th one, a row further on "
-                "in each frame");
+                "largest number of pixel rows that are added per frame; of an image with more rows every n-th row is "
+                "added, shifted by one row from frame to frame");
         io.choice("final_edges", finalEdges_,
                   {{"all", FINAL_EDGES_ALL}, {"scattered", FINAL_EDGES_SCATTERED}, {"none", FINAL_EDGES_NONE}},
                   "which path edges that end on a light are added: all, only those found by scattering, or none");
@@ -55,16 +55,13 @@ public:
 
     void record(Frame& frame) override
     {
-        const uint64_t pixels = uint64_t(frame.width()) * frame.height();
-        const uint64_t bytes =
-            vertices_ ? vertices_->bytes() / sizeof(PathVertex) : samples_->bytes() / sizeof(GuidingSample);
         GuidingSplatParameters parameters{};
         parameters.frame = frame.constants();
         parameters.vertices = addressOf(vertices_);
         parameters.samples = addressOf(samples_);
         parameters.guide = addressOf(guide_);
         parameters.statistics = statistics_->address();
-        parameters.stride = uint32_t(bytes / pixels);
+        parameters.stride = vertices_ ? vertices_.countPerPixel<PathVertex>() : samples_.countPerPixel<GuidingSample>();
         parameters.capacity = capacity();
         parameters.finalEdges = finalEdges_;
         parameters.incident = incident_;

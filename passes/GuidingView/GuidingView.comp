@@ -12,7 +12,6 @@ layout(push_constant, scalar) uniform Push { GuidingViewParameters params; };
 const float HIGHEST_LEVEL = 12.0;
 const float MOST_SAMPLES = 4096.0;
 const float OLDEST = 16.0;
-const float LARGEST_KAPPA = 32000.0;
 
 /// Blue, green, yellow, red from 0 to 1.
 vec3 heat(float x)
@@ -39,7 +38,7 @@ vec3 color_of(uint64_t key, GuidingCell cell)
     case VIEW_LEVEL: return heat(float(key_level(key)) / HIGHEST_LEVEL);
     case VIEW_SAMPLES: return heat(on_log_scale(cell.samples, MOST_SAMPLES));
     case VIEW_AGE: return heat(float(cell_age(cell)) / OLDEST);
-    case VIEW_KAPPA: return heat(on_log_scale(kappa, LARGEST_KAPPA));
+    case VIEW_KAPPA: return heat(on_log_scale(kappa, LARGEST_VMF_KAPPA));
     case VIEW_WEIGHT: return heat(weight);
     default: return heat(1.0 - cell_alpha(cell));
     }

@@ -17,8 +17,8 @@ layout(push_constant, scalar) uniform Push { PathTracerParameters params; };
 struct Tree {
     PathReservoir path;
     uint k;  ///< 0: no edge of the prefix can reconnect
-    vec3 f;  ///< product of the bounces and of absorption
-    float inverse_pdf;
+    vec3 f;  ///< product of the bounces, each in its measure, and of absorption
+    float inverse_pdf;  ///< in that measure
     Hit hit;  ///< of the vertex the path stands at
     float arrival;  ///< length of the edge it arrived by, m
     float arrival_geometry;
@@ -71,7 +71,9 @@ struct Bounce {
     vec3 value;  ///< f |cos|; of a delta its throughput
     vec3 shares;  ///< label_shares
     float density;  ///< P(l) Q_l; of a delta P(l)
-    float replay_pdf;  ///< density of a rough sharp lobe's own draw; else 1
+    /// What an inner bounce's value is divided by in f: the density of a rough sharp lobe's own draw; else 1. The product of many undivided
+    /// ones would be beyond float32 [shaders/README: Measures].
+    float replay_pdf;
 };
 
 /// f |cos| of a label's rough lobes in a world direction.
@@ -199,7 +201,7 @@ void offer_found_light(Tree tree, Vertex v, uint u, Bounce s, PathVertex noted, 
     note_light(u + 1u, radiance * (s.density / density));
 }
 
-/// Note the bounce in the path: label, direction, replay density, and the reconnection if this edge's end is the first that can.
+/// Note the bounce in the path: label, direction, and the reconnection if this edge's end is the first that can.
 void extend_path(inout Tree tree, uint u, Bounce s)
 {
     tree.path.labels = set_path_label(tree.path.labels, u, s.label);
@@ -219,11 +221,12 @@ void trace_tree(Hit hit, uvec2 at, uint number)
 {
     RandomKey key = tree_key(random_key(picture_pixel(at), frame.c.frame, frame.c.seed), number);
     RandomKey choices = RandomKey(key.pixel, key.frame, key.seed ^ RANDOM_STREAM_RESAMPLING);
-    Tree tree = Tree(empty_path_reservoir(1.0), 0u, vec3(1.0), 1.0, hit, 0.0, 0.0);
-    tree.path.pixel = key.pixel;
-    tree.path.frame = key.frame;
     Surface surface = load_surface(hit, false);
     Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), at, 1u, true);
+    vec3 seen = transmittance_to_camera(v.point, frame.c.camera.position);
+    Tree tree = Tree(empty_path_reservoir(1.0), 0u, seen, 1.0, hit, 0.0, 0.0);
+    tree.path.pixel = key.pixel;
+    tree.path.frame = key.frame;
 
     for (uint u = 1u; u <= params.bounces + 1u; ++u) {
         if (u > 1u && params.nextEventEstimation != 0u)  // direct light at x_1 is ReSTIR DI's, but for what delta lobes find [shaders/README: Who owns which light]
@@ -258,16 +261,14 @@ void trace_tree(Hit hit, uvec2 at, uint number)
         if (!found)
             return;
 
-        bool beyond = tree.k > 0u;
+        vec3 value = s.value / s.replay_pdf;
+        if (tree.k > 0u)
+            tree.path.suffix *= value;
         extend_path(tree, u, s);
-        if (beyond)
-            tree.path.suffix *= s.value;
         if (tree.k > 0u)
             tree.path.suffix *= absorption;
-        else
-            tree.path.sharpPdf *= s.replay_pdf;
-        tree.f *= s.value * absorption;
-        tree.inverse_pdf /= s.density;
+        tree.f *= value * absorption;
+        tree.inverse_pdf *= s.replay_pdf / s.density;
         tree.hit = hit;
         tree.arrival = t;
         tree.arrival_geometry = edge_geometry(next.point.normal, s.wi, t);

@@ -44,7 +44,7 @@ vec3 trace_path(Hit hit, uvec2 pixel, RandomKey key)
     Surface surface = load_surface(hit, false);
     Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), pixel, 1u, true);
     vec3 radiance = vec3(0.0);
-    vec3 throughput = vec3(1.0);
+    vec3 throughput = transmittance_to_camera(v.point, frame.c.camera.position);
 
     for (uint u = 1u; u <= params.bounces + 1u; ++u) {
         bool direct = u > 1u || params.direct != 0u;

@@ -44,9 +44,11 @@ public:
         io.knob("nee", nee_,
                 "connect every vertex to a light (next event estimation), combined with scattering by the balance "
                 "heuristic");
+        io.structural();
         io.knob("direct", direct_,
                 "include direct light at the primary hit; off where ReSTIRDI computes it (light through delta lobes is "
                 "always included)");
+        io.structural();
         io.knob("alpha", alpha_, 0, 1,
                 "probability of sampling a smooth bounce by the BSDF instead of the guide, where there is guidance "
                 "(Zeng et al. 2025: 0.5)");

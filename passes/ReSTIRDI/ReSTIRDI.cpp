@@ -37,7 +37,9 @@ public:
         io.knob("pool", rules_.pool, 1, MAX_POOL,
                 "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one "
                 "that is drawn, as published");
-        io.knob("radius", rules_.radius, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
+        io.knob("radius", rules_.radius, 1, 1000,
+                "radius of the disk from which neighbours are drawn, in pixels of an image of 1080 lines; it scales "
+                "with the image's height, down to least_radius");
         io.knob("least_radius", rules_.leastRadius, 1, 1000,
                 "least radius of the disk, in pixels of the rendered image");
         io.choice("mis", pairwise_, {{"pairwise", true}, {"balance", false}},

@@ -83,8 +83,7 @@ Domain load_domain(Hit hit, bool previous)
     Surface today = load_surface(hit, false);
     Surface then = previous ? load_surface(hit, true) : today;
     vec3 camera = previous ? frame.c.previousCamera.position : frame.c.camera.position;
-    ShadingPoint point = shade_surface(then, normalize(camera - then.position));
-    return Domain(point, ray_end(today), previous);
+    return Domain(shade_for_camera(then, camera), ray_end(today), previous);
 }
 
 /// The target in a participant's domain: p^(y) V(y). Of the frame before, no acceleration structure is left: the ray runs

@@ -31,6 +31,6 @@ void main()
         if (!shift_to(PathReservoirArray(params.source).at[partner], here, shifted, jacobian))
             jacobian = 0.0;
         PathImageArray(params.images).at[pixel * params.rules.neighbours + i] =
-            PathImage(shifted.f, shifted.geometry, shifted.sharpPdf, jacobian, shifted.anchor, shifted.place);
+            PathImage(shifted.f, shifted.geometry, jacobian, shifted.anchor, shifted.place);
     }
 }

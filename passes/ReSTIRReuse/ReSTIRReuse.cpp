@@ -6,7 +6,7 @@
 
 namespace restirpg {
 
-static_assert(sizeof(PathReservoir) == 92);
+static_assert(sizeof(PathReservoir) == 88);
 
 class ReSTIRReuse final : public Pass {
 public:
@@ -49,7 +49,9 @@ public:
         io.knob("reciprocal", reciprocal_,
                 "pair pixels, so that each shift serves both: half the shifts of spatial reuse");
         io.structural();
-        io.knob("radius", rules_.radius, 1, 1000, "of the disk of neighbours, in pixels of an image of 1080 lines");
+        io.knob("radius", rules_.radius, 1, 1000,
+                "radius of the disk from which neighbours are drawn, in pixels of an image of 1080 lines; it scales "
+                "with the image's height, down to least_radius");
         io.knob("least_radius", rules_.leastRadius, 1, 1000,
                 "least radius of the disk, in pixels of the rendered image");
         io.knob("normal_threshold", rules_.normalThreshold, -1, 1,
@@ -110,10 +112,10 @@ public:
             frame.dispatchPixels(shadeKernel_, parameters);
         if (vertices_)
             frame.dispatchPixels(verticesKernel_,
-                                 ReuseVerticesParameters{
-                                     parameters.frame, parameters.surface, parameters.source, parameters.originSource,
-                                     candidateVertices_->address(), addressOf(historyVertices_), vertices_->address(),
-                                     uint32_t(candidateVertices_.pixelBytes() / sizeof(PathVertex))});
+                                 ReuseVerticesParameters{parameters.frame, parameters.surface, parameters.source,
+                                                         parameters.originSource, candidateVertices_->address(),
+                                                         addressOf(historyVertices_), vertices_->address(),
+                                                         candidateVertices_.countPerPixel<PathVertex>()});
     }
 
 private:

@@ -25,11 +25,10 @@ struct ReuseParameters {
     Address partners;  ///< the pixel that each pixel would be paired with in each place, a uint; INVALID_INDEX: none
 };
 
-/// What a path's image in another pixel does not share with the path. 40 bytes.
+/// What a path's image in another pixel does not share with the path. 36 bytes.
 struct PathImage {
     vec3 f;
     float geometry;
-    float sharpPdf;
     float jacobian;  ///< of the shift; 0: there is no image
     uvec2 anchor;
     vec2 place;

@@ -52,8 +52,10 @@ void main()
     Choice kept = Choice(PathReservoirArray(params.source).at[pixel], 0.0, OWN);
     vec2 u = random2(reuse_key(at), TEMPORAL_ROUND, 0u);
     uint before;
-    if (hit.instance != INVALID_INDEX && find_history(params.previousSurface, hit, at, Vec2Array(params.motion).at[pixel], u,
-                                                      params.rules, before))
+    // Which vertices reconnect depends on the radius of the scene's sphere: where that has changed, this frame's paths have images in the
+    // history's domain that the history's paths of the same kind do not have here.
+    if (hit.instance != INVALID_INDEX && frame.c.rescaled == 0u &&
+        find_history(params.previousSurface, hit, at, Vec2Array(params.motion).at[pixel], u, params.rules, before))
         kept = merge_history(at, hit, kept.path, before);
     PathReservoirArray(params.reservoirs).at[pixel] = kept.path;
     write_origin(params.origins, pixel, kept.owner == OWN ? pixel : before | OF_HISTORY);

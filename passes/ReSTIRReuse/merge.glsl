@@ -23,7 +23,7 @@ ShadingPoint load_domain(Hit hit, bool previous)
 {
     Surface s = load_surface(hit, false);
     vec3 camera = previous ? frame.c.previousCamera.position : frame.c.camera.position;
-    return shade_surface(s, normalize(camera - s.position));
+    return shade_for_camera(s, camera);
 }
 
 /// The shift of a path that a reservoir holds: an empty one has no image anywhere.

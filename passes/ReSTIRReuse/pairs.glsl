@@ -47,7 +47,7 @@ float pair_bid(Seen a, Seen b, uint pattern)
     // The race of exponential variates: -log(u) / score is least for a member with a chance in proportion to its score.
     bool a_is_first = a.at.y < b.at.y || (a.at.y == b.at.y && a.at.x < b.at.x);
     float u = random1(reuse_key(a_is_first ? a.at : b.at), pool_round(params.round), pattern);
-    return compatibility(nearer, a.position, other, b.position) / -log(max(1.0 - u, 1e-8));
+    return compatibility(nearer, a.position, other, b.position) / -log(1.0 - max(u, 6e-8));  // u = 0 would be -log(1) = -0
 }
 
 /// Side of the square tiles in which the pixels of place i are paired. Their offsets have the root mean square of a disk's: side^2 / 3 =

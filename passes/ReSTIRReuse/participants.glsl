@@ -57,7 +57,6 @@ PathReservoir with_image(PathReservoir y, PathImage image)
 {
     y.f = image.f;
     y.geometry = image.geometry;
-    y.sharpPdf = image.sharpPdf;
     y.anchor = image.anchor;
     y.place = image.place;
     return y;

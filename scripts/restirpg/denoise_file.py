@@ -1,9 +1,11 @@
 """Denoise a picture: `python3 -m restirpg.denoise_file IN.exr OUT.exr|OUT.png`.
 
 IN.exr is best rendered with `--output image --output albedo --output normal`; without these two layers edges and
-textures are softer. A mistake is one line on standard error and exit code 2.
+textures are softer. An OUT.exr has the header of IN.exr and `restirpg.denoised` besides. A mistake is one line on
+standard error and exit code 2.
 """
 
+import os
 import sys
 
 
@@ -12,6 +14,8 @@ def denoise_file(source, target):
     import restirpg
 
     image = restirpg.read_exr(source)
+    if os.path.exists(target) and os.path.samefile(source, target):
+        raise ValueError(f"{target}: cannot write: it is the file {source}, which was read; choose another name")
     layers = {}
     for name in ("albedo", "normal"):
         try:
@@ -22,7 +26,8 @@ def denoise_file(source, target):
     if str(target).endswith(".png"):
         restirpg.write_png(target, result)
     else:
-        restirpg.write_exr(target, {"": result}, attributes=restirpg.read_exr_attributes(source))
+        attributes = {**restirpg.read_exr_attributes(source), "restirpg.denoised": "true"}
+        restirpg.write_exr(target, {"": result}, attributes=attributes)
 
 
 def main(arguments):

@@ -12,6 +12,7 @@ import signal
 import sys
 import traceback
 
+import restirpg
 from restirpg.graph import Graph, GraphError, shown_path
 
 
@@ -44,8 +45,8 @@ def _message(error):
 def evaluate(file):
     """The Graph that `file` leaves in its variable `graph`. Raises EvaluationError.
 
-    The folder of `file` is first on the module path, so that its graph files can share a module. What the
-    file prints goes to standard error.
+    The folder of `file` is first on the module path, so that its graph files can share a module, and restirpg's own
+    graphs are last: `from pipeline import pipeline` works anywhere. What the file prints goes to standard error.
     """
     try:
         with open(file, "rb") as stream:
@@ -53,6 +54,7 @@ def evaluate(file):
     except OSError as error:
         raise EvaluationError(f"{shown_path(file)}: cannot read the graph file: {error.strerror}") from error
     sys.path.insert(0, os.path.dirname(os.path.abspath(file)))
+    sys.path.append(str(restirpg.GRAPHS))
     names = {"__name__": "__graph__", "__file__": file}
     try:
         with contextlib.redirect_stdout(sys.stderr):
@@ -66,6 +68,14 @@ def evaluate(file):
             found = f"has a {type(graph).__name__} in its variable 'graph'"
         raise EvaluationError(f"{shown_path(file)}:1: the file {found}; end it with graph = ..., a restirpg.Graph")
     return graph
+
+
+def as_json(graph, file):
+    """The description of the graph of that file. Raises EvaluationError."""
+    try:
+        return json.dumps(graph.description(), indent=1, allow_nan=False)
+    except Exception as error:  # of values that the file has put past Graph's own checks
+        raise EvaluationError(f"{_place(error, file)}: {_message(error)}") from error
 
 
 def _bound(file, seconds):
@@ -97,7 +107,7 @@ def main(arguments):
         return 2
     _bound(file, int(seconds))
     try:
-        text = json.dumps(evaluate(file).description(), indent=1, allow_nan=False)
+        text = as_json(evaluate(file), file)
     except EvaluationError as error:
         print(error, file=sys.stderr)
         return 2

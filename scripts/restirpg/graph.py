@@ -116,6 +116,8 @@ class Graph:
     """A render graph: passes in the order of `add`, and named outputs, the first of which is the picture."""
 
     def __init__(self, name):
+        if not isinstance(name, str):
+            raise GraphError(f"a graph's name is text, not {name!r}")
         self.name = name
         self.file = _caller()["file"]
         self._passes = []

@@ -22,6 +22,8 @@ double dielectricFresnel(double cosine, double eta)
 
 double coatAverage(double ior)
 {
+    if (ior == 0)
+        return 1.0 / 21;  // Schlick's (1 - cos)^5, which total reflection has
     const double f0 = dielectricFresnel(1, ior);
     if (ior == 1)
         return 0;

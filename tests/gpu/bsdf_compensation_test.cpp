@@ -81,7 +81,8 @@ TEST_F(Compensated, GlassAndSheetsReturnEverything)
             expectFurnace(compensated("frosted glass from inside"), roughness, ior, "glass from inside");
         }
     for (const float roughness : ROUGHNESSES)
-        expectFurnace(compensated("tinted thin sheet"), roughness, 1.5f, "sheet");
+        for (const float ior : {1.0f, 1.0005f, 1.5f})
+            expectFurnace(compensated("tinted thin sheet"), roughness, ior, "sheet");
 }
 
 TEST_F(Compensated, TheTableOfAnotherIndexBreaksTheFurnace)

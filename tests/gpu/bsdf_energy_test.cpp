@@ -28,8 +28,11 @@ TEST(BsdfEnergy, WhiteSurfacesWithoutRoughnessReflectEverything)
 {
     BsdfCase lambert = material("lambert");
     lambert.baseColor = glm::vec3(1);
+    BsdfCase dull = material("smooth glass from inside"), duller = dull;  // where it reflects totally, it still does
+    dull.specular = 0.5f;
+    duller.specular = 0;
     for (BsdfCase test : {lambert, material("smooth plastic"), material("smooth glass"),
-                          material("smooth glass from inside"), material("smooth thin sheet")})
+                          material("smooth glass from inside"), material("smooth thin sheet"), dull, duller})
         for (const glm::vec3& wo : directions()) {
             test.wo = wo;
             test.lobe = LOBE_ALL;
@@ -38,7 +41,7 @@ TEST(BsdfEnergy, WhiteSurfacesWithoutRoughnessReflectEverything)
         }
 }
 
-TEST(BsdfEnergy, ACoatAverageThatIsThreePercentTooLargeBreaksTheFurnace)
+TEST(BsdfEnergy, ACoatAverageThatIsThreeHundredthsTooLargeBreaksTheFurnace)
 {
     BsdfCase test = material("smooth plastic");
     test.coatAverage += 0.03f;
@@ -53,12 +56,13 @@ TEST(BsdfEnergy, EnergyOfWhitePaintUnderARoughCoatIsKept)
     // What may go: the coat's own single-scattering loss and the fit of coat_cosine, at most 12% (at grazing, or at ior
     // 2). What may come: 0.005, the fit's other side.
     for (float roughness : {0.05f, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f, 1.0f})
-        for (float ior : {1.2f, 1.5f, 2.0f})
+        for (float ior : {0.0f, 1.2f, 1.5f, 2.0f})  // 0: a coat that converted specular-glossiness has
             for (const glm::vec3& wo : directions()) {
                 BsdfCase test = material("rough plastic");
                 test.baseColor = glm::vec3(1);
                 test.roughness = roughness;
                 test.ior = ior;
+                test.specularColor = glm::vec3(ior == 0 ? 0.1f : 1);  // of ior 0, F0 itself
                 test.coatAverage = float(coatAverage(ior));
                 test.wo = wo;
                 test.lobe = LOBE_ALL;
@@ -69,6 +73,21 @@ TEST(BsdfEnergy, EnergyOfWhitePaintUnderARoughCoatIsKept)
                 EXPECT_GT(result.mean.x, 0.88 - noise)
                     << "roughness " << roughness << ", ior " << ior << ", cosine " << wo.z;
             }
+}
+
+TEST(BsdfEnergy, AnInfiniteIorReflectsEverythingWhateverIsBelow)
+{
+    for (const glm::vec3& color : {glm::vec3(0), glm::vec3(1)})
+        for (const glm::vec3& wo : directions()) {
+            BsdfCase test = material("smooth plastic");
+            test.baseColor = color;
+            test.ior = 0;
+            test.coatAverage = float(coatAverage(0));
+            test.wo = wo;
+            test.lobe = LOBE_ALL;
+            const Albedo result = albedo(test, 1u << 14);
+            EXPECT_NEAR(result.mean.x, 1, 3.5 * result.standardError.x + 2e-5) << "cosine " << wo.z;
+        }
 }
 
 TEST(BsdfEnergy, TheRoughestWhiteMetalReflectsItsClosedForm)

@@ -59,6 +59,8 @@ double ggxDistribution(const dvec3& h, double alpha)
 /// F of the dielectric under KHR_materials_specular, and of a thin pane of it.
 dvec3 textbookCoat(const BsdfCase& m, double cosine, double eta)
 {
+    if (m.solid && eta < 1 && dielectricFresnel(cosine, eta) >= 1)
+        return dvec3(1);  // total internal reflection
     const double f0 = dielectricFresnel(1, m.ior);
     const double s = (dielectricFresnel(cosine, eta) - f0) / (1 - f0);
     const dvec3 coat0 = glm::min(f0 * dvec3(m.specularColor), dvec3(1));

@@ -4,11 +4,18 @@
 #include "core/cache_file.h"
 #include "core/error.h"
 
+#include <atomic>
+#include <chrono>
+#include <climits>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
 #include <span>
+#include <thread>
 
+#include <fcntl.h>
+#include <sys/inotify.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace restirpg::test {
@@ -233,6 +240,63 @@ TEST(Kernel, AnEditOfAnIncludedFileIsSeen)
     EXPECT_EQ(folder.cached().size(), 3u);
     folder.write("other.glsl", "#define SIZE 32\n");
     EXPECT_EQ(localSize(compileShader(file, {}, {{"size.glsl", folder.path / "other.glsl"}})).x, 32u);
+}
+
+/// Serves a kernel's text to each who opens the pipe. Between the reader that hashes it and the one that translates it,
+/// the file that it includes is edited.
+class EditedUnderWay {
+public:
+    EditedUnderWay(const fs::path& pipe, const std::string& text, const fs::path& included, const std::string& edited)
+        : thread_([=, this] {
+              const int watch = inotify_init1(IN_CLOEXEC | IN_NONBLOCK);
+              inotify_add_watch(watch, included.c_str(), IN_CLOSE_NOWRITE);
+              for (int served = 0; serve(pipe, text); ++served) {
+                  alignas(inotify_event) char event[sizeof(inotify_event) + NAME_MAX + 1];
+                  while (read(watch, event, sizeof event) <= 0 && !ended_)  // until this reader is through with both
+                      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                  if (served == 0)
+                      std::ofstream(included) << edited;
+              }
+              close(watch);
+          })
+    {
+    }
+    ~EditedUnderWay()
+    {
+        ended_ = true;
+        thread_.join();
+    }
+
+private:
+    /// False: nobody opens the pipe any more.
+    bool serve(const fs::path& pipe, const std::string& text) const
+    {
+        int descriptor;
+        while ((descriptor = open(pipe.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC)) < 0) {
+            if (ended_)
+                return false;
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        const bool written = write(descriptor, text.data(), text.size()) == ssize_t(text.size());
+        close(descriptor);
+        return written;
+    }
+
+    std::atomic<bool> ended_ = false;
+    std::thread thread_;
+};
+
+TEST(Kernel, ThatIsEditedWhileItIsCompiledIsNotKept)
+{
+    const Folder folder;
+    const auto included = folder.write("size.glsl", "#define SIZE 8\n");
+    const fs::path pipe = folder.path / "a.comp";
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    const EditedUnderWay edited(pipe, "#include \"size.glsl\"\n" + kernelOfSize("SIZE"), included, "#define SIZE 16\n");
+    EXPECT_EQ(localSize(compileShader(pipe)).x, 16u);
+    EXPECT_TRUE(folder.cached().empty()) << "under the name of the text before the edit";
+    EXPECT_EQ(localSize(compileShader(pipe)).x, 16u);
+    EXPECT_EQ(folder.cached().size(), 1u);
 }
 
 TEST(Kernel, DamagedCacheFilesAreMadeAnew)

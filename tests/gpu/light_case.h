@@ -31,7 +31,7 @@ struct LightCounts {
     uint lights[MAX_TEST_LIGHTS];  ///< samples of each light
     uint deltas;
     uint empty;  ///< samples with pdf 0
-    uint worstPdf;  ///< float bits: largest relative difference between a sample's pdf and the one MIS asks for
+    uint worstPdf;  ///< float bits: of a triangle's sample, largest relative difference of its pdf and MIS's
 };
 
 /// Sums over one thread's draws.

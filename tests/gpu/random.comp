@@ -24,16 +24,17 @@ vec4 number(uint index)
 {
     // Everything but the walking coordinate stands at a place where a render would be.
     uvec2 pixel = uvec2(17u, 5u);
-    uint frame_index = 3u, seed = test.seed, bounce = 1u, dimension = RANDOM_DIRECTION;
+    uint frame_index = 3u, seed = test.seed, bounce = 1u, dimension = RANDOM_DIRECTION, tree = 0u;
     switch (test.walk) {
     case WALK_PIXEL_X: pixel = uvec2(index & 0xffffu, 5u + (index >> 16)); break;
     case WALK_PIXEL_Y: pixel = uvec2(17u + (index >> 16), index & 0xffffu); break;
     case WALK_FRAME: frame_index = index; break;
     case WALK_SEED: seed += index; break;
     case WALK_BOUNCE: bounce = index & 0xfu; pixel.x += index >> 4; break;
-    default: dimension = index & 0xfu; pixel.x += index >> 4; break;
+    case WALK_DIMENSION: dimension = index & 0xfu; pixel.x += index >> 4; break;
+    default: tree = (index & 1u) << ((index >> 1) & 3u); pixel = uvec2((index >> 1) & 0xffffu, 5u + (index >> 17)); break;
     }
-    RandomKey key = random_key(pixel, frame_index, seed);
+    RandomKey key = tree_key(random_key(pixel, frame_index, seed), tree);
     return test.weak != 0u ? weak_random4(key, bounce, dimension) : random4(key, bounce, dimension);
 }
 

@@ -24,7 +24,8 @@ TEST_CONST WALK_FRAME = 2u;
 TEST_CONST WALK_SEED = 3u;
 TEST_CONST WALK_BOUNCE = 4u;
 TEST_CONST WALK_DIMENSION = 5u;
-TEST_CONST WALKS = 6u;
+TEST_CONST WALK_TREE = 6u;  ///< the first tree of a pixel and one of the others, in turn
+TEST_CONST WALKS = 7u;
 
 struct RandomCase {
     Address results;  ///< RandomCounts

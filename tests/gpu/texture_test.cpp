@@ -119,15 +119,74 @@ TEST(Textures, LookupsWrapAndFilterAsSpecified)
     }
 }
 
-TEST(Textures, NoCoordinateReadsOutside)
+/// Cutoffs of alpha masks and the limits of roughness are compared with what the filter returns.
+TEST(Textures, EqualTexelsGiveExactlyTheirValue)
 {
     Scene source = darkScene();
-    source.textures = {noise(5, 3, false)};
+    source.textures = {noise(64, 64, false), noise(64, 64, true)};
+    for (size_t i = 0; i < source.textures[0].bytes.size(); i += 4) {
+        source.textures[0].bytes[i + 1] = 51;
+        source.textures[0].bytes[i + 3] = 255;
+        source.textures[1].floats[i + 2] = 0.7f;
+    }
     const UploadedScene scene(source);
-    const std::vector<glm::vec2> places = {{NAN, 0}, {0, INFINITY}, {-INFINITY, NAN}, {3e38f, -3e38f}};
-    for (const auto& value : lookUp(scene, 0, places))
-        for (int c = 0; c < 4; ++c)
-            EXPECT_TRUE(std::isnan(value[c]) || (value[c] >= 0 && value[c] <= 1)) << value[c];
+    std::mt19937 random(6);
+    std::uniform_real_distribution<float> anywhere(-1, 2);
+    std::vector<glm::vec2> places(4096);
+    for (glm::vec2& place : places)
+        place = {anywhere(random), anywhere(random)};
+    const auto bytes = lookUp(scene, 0, places), floats = lookUp(scene, 1, places);
+    for (size_t i = 0; i < places.size(); ++i) {
+        ASSERT_EQ(bytes[i].g, bytes[0].g) << places[i].x << ", " << places[i].y;
+        ASSERT_EQ(bytes[i].a, 1) << places[i].x << ", " << places[i].y;
+        ASSERT_EQ(floats[i].b, 0.7f) << places[i].x << ", " << places[i].y;
+    }
+}
+
+/// 8 x 8 texels of one value, which fill their memory without a gap.
+Texture flat(float value)
+{
+    Texture texture;
+    texture.width = texture.height = 8;
+    texture.floats.assign(4 * 64, value);
+    return texture;
+}
+
+/// A texture of values within [2, 3] lies between two of another value: a read outside of it shows. H0: none.
+TEST(Textures, NoCoordinateReadsOutside)
+{
+    using Wrap = Texture::Wrap;
+    using Filter = Texture::Filter;
+    Scene source = darkScene();
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> values(2.1f, 2.9f);
+    source.textures = {flat(100)};
+    for (const Wrap wrap : {Wrap::repeat, Wrap::mirroredRepeat, Wrap::clampToEdge})
+        for (const Filter filter : {Filter::linear, Filter::nearest}) {
+            Texture texture = flat(0);
+            for (float& value : texture.floats)
+                value = values(random);
+            texture.wrapU = texture.wrapV = wrap;
+            texture.filter = filter;
+            source.textures.push_back(texture);
+            source.textures.push_back(flat(100));
+        }
+    const UploadedScene scene(source);
+    const float below = std::nextafter(1.0f, 0.0f), above = std::nextafter(1.0f, 2.0f);
+    std::vector<glm::vec2> places = {{NAN, 0}, {0, INFINITY}, {-INFINITY, NAN}, {3e38f, -3e38f}};
+    for (const float u :
+         {0.0f, -0.0f, -1e-45f, -1e-9f, 0.01f, 0.99f, below, 1.0f, above, -1.0f, -below, 2.0f, 1e9f, -1e9f})
+        for (const float v : {0.5f, -1e-9f, 0.0f, below, 1.0f, 1.99f, -1e9f})
+            places.insert(places.end(), {{u, v}, {v, u}});
+    for (uint32_t t = 1; t < source.textures.size(); t += 2) {
+        const auto seen = lookUp(scene, t, places);
+        for (size_t i = 0; i < places.size(); ++i)
+            for (int c = 0; c < 4; ++c) {
+                const bool number = std::isfinite(places[i].x) && std::isfinite(places[i].y);
+                EXPECT_TRUE((seen[i][c] >= 2 && seen[i][c] <= 3) || (!number && std::isnan(seen[i][c])))
+                    << seen[i][c] << " of texture " << t << " at " << places[i].x << ", " << places[i].y;
+            }
+    }
 }
 
 }  // namespace

@@ -151,6 +151,34 @@ TEST_F(GraphFile, AMissingInterpreterIsNamed)
               "g.py: cannot start /no/such/python3: No such file or directory; RESTIRPG_PYTHON names the interpreter");
 }
 
+TEST_F(GraphFile, AnInterpreterThatIsTooOldIsNamed)
+{
+    write("g.py", IMPORT);
+    write("python3", "#!/bin/sh\necho 'Unknown option: -P\nusage: python3 [option] ...' >&2\nexit 2\n");
+    fs::permissions("python3", fs::perms::owner_all);
+    setenv("RESTIRPG_PYTHON", "./python3", 1);
+    const auto message = refusal("g.py");
+    unsetenv("RESTIRPG_PYTHON");
+    EXPECT_EQ(message, "g.py: ./python3 is older than Python 3.11; RESTIRPG_PYTHON names another");
+}
+
+/// The current folder may be anybody's; that of the graph file has its modules.
+TEST_F(GraphFile, ModulesOfTheCurrentFolderAreNotImported)
+{
+    fs::create_directory("graphs");
+    write("graphs/common.py", "NAME = 'n'\n");
+    write("graphs/g.py", IMPORT + "from common import NAME\ngraph = Graph(NAME)\n"
+                                  "graph.output('image', graph.add('a', 'GBuffer').albedo)\n");
+    write("json.py", "raise SystemExit('json.py of the current folder was run')\n");
+    for (const char* inherited : {(const char*)nullptr, ""}) {  // an empty entry of PYTHONPATH is the current folder
+        const char* const before = std::getenv("PYTHONPATH");
+        const std::string kept = before ? before : "";
+        inherited ? setenv("PYTHONPATH", inherited, 1) : unsetenv("PYTHONPATH");
+        EXPECT_EQ(refusal("graphs/g.py"), "");
+        before ? setenv("PYTHONPATH", kept.c_str(), 1) : unsetenv("PYTHONPATH");
+    }
+}
+
 TEST_F(GraphFile, UnreadableFilesAreNamed)
 {
     fs::create_directory("folder.py");

@@ -8,7 +8,8 @@ layout(local_size_x = 64) in;
 
 const uint CELL_MATERIAL = 3u;
 const vec3 CELL_NORMAL = vec3(0.0, 0.0, 1.0);
-const GuidingGrid CELL_GRID = GuidingGrid(vec3(0.0, 0.0, 5.0), 0.1, vec3(-8.0), 1.0 / 64.0);
+/// Its corner is farther than a key's indices count, so that they start anew in between.
+const GuidingGrid CELL_GRID = GuidingGrid(vec3(0.0, 0.0, 5.0), 0.1, vec3(-8.0 - 4096.0), 1.0 / 64.0);
 
 /// Where guidance is asked for: in the cell, and not in its middle.
 vec3 cell_position()

@@ -6,7 +6,10 @@
 #include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <climits>
 #include <random>
 
 namespace restirpg {
@@ -37,6 +40,12 @@ protected:
     {
         writeBytes(folder_ / name, OLD);
         return folder_ / name;
+    }
+    static std::string host()
+    {
+        char name[HOST_NAME_MAX + 1] = {};
+        gethostname(name, HOST_NAME_MAX);
+        return name;
     }
 };
 
@@ -109,7 +118,7 @@ TEST_F(Output, WithoutCommitNothingIsLeft)
 /// A process of the same number in another container makes the same names up.
 TEST_F(Output, AFileThatAnotherProcessIsWritingIsLeftAlone)
 {
-    const auto prefix = fmt::format(".restirpg-{}-", getpid());
+    const auto prefix = fmt::format(".restirpg-{}-{}-", host(), getpid());
     uint64_t last = 0;
     {
         const OutputFile ours(folder_ / "a.txt");
@@ -125,6 +134,23 @@ TEST_F(Output, AFileThatAnotherProcessIsWritingIsLeftAlone)
     EXPECT_EQ(readBytes(next), OLD);
     EXPECT_EQ(readBytes(folder_ / "a.txt"), (std::vector<char>{'o', 'u', 'r', 's'}));
     EXPECT_EQ(filesInFolder(), 3u);
+}
+
+TEST_F(Output, WhatAKilledProcessLeftIsRemoved)
+{
+    const pid_t ended = fork();
+    if (ended == 0)
+        _exit(0);
+    ASSERT_EQ(waitpid(ended, nullptr, 0), ended);
+    const auto abandoned = old(fmt::format(".restirpg-{}-{}-7.tmp", host(), ended));
+    const std::vector<fs::path> kept = {old(fmt::format(".restirpg-{}-{}-7.tmp", host(), getppid())),
+                                        old(fmt::format(".restirpg-another-{}-7.tmp", ended)),
+                                        old(fmt::format(".restirpg-{}-{}-7.tmp.exr", host(), ended)),
+                                        old(fmt::format(".restirpg-{}-{}.tmp", host(), ended))};
+    writeFile(folder_ / "a.txt", "x");
+    EXPECT_FALSE(fs::exists(abandoned));
+    for (const auto& file : kept)
+        EXPECT_TRUE(fs::exists(file)) << file;
 }
 
 TEST_F(Output, PermissionsAndLinksAreKept)

@@ -30,7 +30,7 @@ def repository(tmp_path_factory):
             shutil.copy(ROOT / name, folder / name)
     (folder / "build").symlink_to(BUILD.resolve())
     blocks = [block for page in PAGES for block in BLOCK.findall((ROOT / page).read_text())]
-    assert len(blocks) == 7
+    assert len(blocks) == 9
     blocks.insert(0, "scripts/make_scenes.py door_ajar\n")  # as scripts/run does, which a reader has run by then
     own = {name: value for name, value in os.environ.items() if not name.startswith(("RESTIRPG_", "PYTHON"))}
     run = subprocess.run(
@@ -71,3 +71,7 @@ def test_the_pass_out_of_tree_does_what_the_text_says(repository):
     assert bias["lower"] < bias["clamped"] < bias["path_tracer"]
     found = {method for method, row in rows.items() if float(row["bias_p"]) < 0.01}
     assert found == {"clamped", "lower"}
+
+
+def test_the_guide_out_of_tree_is_compared(repository):
+    assert set(summary(repository / "out/lobes_compared")) == {"restir_pt", "lobes"}

@@ -148,5 +148,19 @@ TEST_F(ErrorMeasureTest, AMissingOrMismatchedReferenceIsOneClearError)
               file_.string() + ": the reference is 67x40 but the image is 67x41; render at the reference's size");
 }
 
+TEST_F(ErrorMeasureTest, AFireflyBeyondTheSquaresOfFloatsIsAnErrorAndNoNaN)
+{
+    Image image{WIDTH, HEIGHT, 3, std::vector<float>(WIDTH * HEIGHT * 3, 0.5f)};
+    const Image reference = image;
+    image.data[100] = 2e19f;
+    const MeasuredErrors errors = measure(image, reference);
+    const Errors host = measureErrors(image, reference);
+    EXPECT_NEAR(errors.mape / host.mape, 1, TOLERANCE);
+    EXPECT_EQ(errors.invalid, 0u);
+    EXPECT_GT(errors.rmse, 1e12f);
+    EXPECT_LT(errors.rmse, host.rmse);
+    EXPECT_GT(errors.relMse, 1e25f);
+}
+
 }  // namespace
 }  // namespace restirpg

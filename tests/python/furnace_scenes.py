@@ -1,7 +1,7 @@
 """Scenes whose picture is known without rendering them, and z-tests of pictures against a number or each other."""
 
 import numpy as np
-from renderer_scenes import GRAPH, restirpg
+from renderer_scenes import GRAPH, check_samples, restirpg
 
 from restirpg.scenes import shapes
 from restirpg.scenes.gltf import Material, SceneFile, emitter, lambert, metal
@@ -41,6 +41,7 @@ def run_means(file, runs, frames, size=(16, 16), backend=None, seed=0, energy_co
     for run in range(1, runs + 1):
         renderer.render(frames)
         sums.append(float(renderer.output("image").mean(dtype=float)) * run)
+    check_samples(renderer)
     return np.diff(sums)
 
 

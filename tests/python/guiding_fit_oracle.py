@@ -39,8 +39,8 @@ def m_step(sums, count, before, knobs):
     length = np.linalg.norm(sums[:, :3], axis=-1)
     mine = weight * count
     cosine = length / np.maximum(share, 1e-20) * mine / (knobs["concentration_prior"] + mine)
-    cosine = np.minimum(cosine, 1 - 1 / knobs["largest_kappa"])
-    kappa = (3 * cosine - cosine**3) / (1 - cosine**2)
+    cosine = np.minimum(cosine, 1 - 1 / 32000)
+    kappa = np.minimum((3 * cosine - cosine**3) / (1 - cosine**2), knobs["largest_kappa"])
     mu = np.where(length[:, None] > 0, sums[:, :3] / np.maximum(length, 1e-300)[:, None], before.mu)
     return Mixture(mu, np.where(kappa < 1e-3, 0, kappa), weight)
 
@@ -159,7 +159,8 @@ def fit_guide(statistics, learns_alpha, grid, before, cells, knobs):
     guide = {
         key: fit_cell(key, records, learns_alpha, grid, before, cells, knobs) for key, records in statistics.items()
     }
-    for key, records in cells.items():
+    carried = cells if before and before.same_places(grid) else {}
+    for key, records in carried.items():
         age = int(records[0]["age"]) + 1
         if key not in guide and age <= knobs["oldest"]:
             memory = memory_of(records[1]) if len(records) > 1 else None

@@ -37,8 +37,8 @@ from restirpg.harness.guiding import (  # noqa: F401
 )
 
 PROBES = 32
-ONE = 2.0**24  # of the fixed-point sums
-LARGEST_WEIGHT = 65536.0
+ONE = 2.0**22  # of the fixed-point sums
+LARGEST_WEIGHT = 2.0**22
 NEW_ALPHA = 0.5  # of a cell that has learnt nothing
 SHORTEST_DISTANCE = 1e-3  # m, of what inverse distances are summed of
 
@@ -98,7 +98,7 @@ def previous_key(key, grid, before, cells):
     its grid."""
     if before is None:
         return None, False
-    if key in cells:
+    if key in cells and before.same_places(grid):
         return key, False
     other, doubtful = before.keys(grid.center(key)[None], np.array([face_of(key)]), np.array([material_of(key)]))
     return (int(other[0]) if int(other[0]) in cells else None), bool(doubtful[0])

@@ -5,14 +5,15 @@ from direct_light import LitScene
 from renderer_scenes import restirpg
 
 from restirpg.scenes import shapes
-from restirpg.scenes.gltf import Material, emitter, glass, lambert, metal
+from restirpg.scenes.gltf import Material, SceneFile, emitter, glass, lambert, metal
 
 COSINE, SINE = np.cos(np.radians(35)), np.sin(np.radians(35))
 OUTPUTS = ("stay", "neighbour", "previous", "neighbour_jacobian", "previous_jacobian", "spatial_sums", "temporal_sums")
 
 
-def write_every_bounce(folder):
-    """Smooth, sharp and delta lobes that reflect and transmit, under every kind of light."""
+def write_every_bounce(folder, camera_in_a_solid=False):
+    """Smooth, sharp and delta lobes that reflect and transmit, under every kind of light. The camera may stand in a
+    block of tinted frosted glass."""
     sky = np.full((8, 16, 3), 0.3, np.float32)
     sky[1:3, 3:6] = (4.0, 3.0, 1.0)
     scene = LitScene("every_bounce", 4, environment=sky)
@@ -39,7 +40,20 @@ def write_every_bounce(folder):
     scene.add_spot("Spot", (1.0, 2.0, 1.0), (0.0, 0.2, 0.0), (3.0, 3.0, 2.5), outer=40.0)
     scene.add_punctual("point", (-0.6, 1.4, 0.6), (0, 0, 0), (0.7, 0.6, 0.5))
     scene.add_punctual("directional", (2.0, 3.0, 2.0), (0, 0, 0), (0.3, 0.3, 0.5))
+    if camera_in_a_solid:
+        frosted = glass("Around", roughness=0.4, tint=(0.5, 0.7, 0.3), tint_distance=0.3)
+        scene.add("Around", (shapes.box((-0.5, 0.6, 2.8), (0.7, 1.4, 3.7)), frosted))
     scene.add_camera((0.1, 1.0, 3.3), (0.0, 0.5, 0), 38.0)
+    return scene.write(folder)
+
+
+def write_panes(folder, panes, roughness):
+    """Panes of rough glass one behind the other that fill the view, before a sky of radiance 1."""
+    scene = SceneFile("panes", 2 * panes, environment=(1.0, 1.0, 1.0))
+    pane = shapes.box((-4, -4, -0.05), (4, 4, 0.05))
+    for i in range(panes):
+        scene.add(f"Pane{i}", (pane.moved(0, 0, -0.3 * i), glass(f"Glass{i}", roughness=roughness)))
+    scene.add_camera((0, 0, 3.0), (0, 0, 0), 30.0)
     return scene.write(folder)
 
 

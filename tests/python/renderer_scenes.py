@@ -1,48 +1,15 @@
-"""Scenes and graphs of the renderer's tests, and the binding module from wherever the build tree is."""
+"""Scenes and graphs of the renderer's tests."""
 
 import base64
 import json
 import struct
-import subprocess
-import sys
 from pathlib import Path
 
-import pytest
-
 import restirpg
-from restirpg.harness.render import native_file
 
 ROOT = Path(__file__).parents[2]
 SIZE = (32, 32)
 GRAPH = ROOT / "graphs" / "path_tracer.py"
-
-
-@pytest.fixture(scope="module")
-def own_plugins():
-    """The folder of the tests' own plugins, of the build tree that the binding module is from, on the plugin path."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("RESTIRPG_PLUGIN_PATH", str(native_file().parents[2] / "tests" / "passes"))
-        yield
-
-
-@pytest.fixture(scope="session")
-def scene_file(tmp_path_factory):
-    """A generated Cornell box (.glb)."""
-    folder = tmp_path_factory.mktemp("scenes")
-    subprocess.run([sys.executable, ROOT / "scripts" / "make_scenes.py", "cornell_box", "--out", folder], check=True)
-    return folder / "cornell_box.glb"
-
-
-@pytest.fixture(scope="session")
-def scene(scene_file):
-    """The Cornell box, loaded."""
-    return restirpg.load_scene(scene_file)
-
-
-@pytest.fixture
-def renderer(scene):
-    """A fresh renderer of the path tracer at 32 x 32."""
-    return make_renderer(scene)
 
 
 def make_renderer(scene, graph=None, seed=0, size=SIZE, **options):
@@ -50,6 +17,13 @@ def make_renderer(scene, graph=None, seed=0, size=SIZE, **options):
     return restirpg.Renderer(
         scene, graph or restirpg.load_graph(GRAPH), size=size, seed=seed, validation=True, **options
     )
+
+
+def check_samples(renderer, invalid="invalid"):
+    """Fail where Accumulate has left out a sample since the last cut: its mean is one of finite numbers whatever the
+    frames were. The graph must have Accumulate's count as an output."""
+    dropped = renderer.output(invalid)
+    assert dropped.max() == 0, f"{dropped.sum():.0f} samples were NaN, infinite or too large"
 
 
 def frame_graph(**accumulate):
@@ -127,3 +101,17 @@ def write_outside(inside):
     outside.parent.mkdir()
     outside.write_text(json.dumps(document))
     return outside
+
+
+def write_far(near, far, place):
+    """A copy of a .glb of one scene under a parent that stands at `place`, m."""
+    data = near.read_bytes()
+    (length,) = struct.unpack_from("<I", data, 12)
+    document = json.loads(data[20 : 20 + length])
+    document["nodes"].append({"children": document["scenes"][0]["nodes"], "translation": list(place)})
+    document["scenes"][0]["nodes"] = [len(document["nodes"]) - 1]
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    rest = data[20 + length :]
+    far.write_bytes(struct.pack("<4s4I", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest)
+    return far

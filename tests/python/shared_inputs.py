@@ -6,10 +6,10 @@ frames, time, made_at: the time the renderer is made at, scene: what the input, 
 allow_outside, to: what a ratio refers to); `quantity`; the `expected` value, within `tolerance`; `source`, where the
 value comes from; `was`, what commit aa3076d gave; `open`, what is still missing where a row is known to be wrong.
 
-Quantities: `mean` of the red channel; `centre`, that of the 4 x 4 pixels in the middle; `finite`, a picture of finite
-numbers; `ratio`, of the mean to that of the file `to` with the same random numbers; `variance`, of single frames'
-pixels, over that of the file `to`, at most `tolerance`; `refused`, one line that holds the expected words.
-`mean|refused` and `finite|refused` leave the choice.
+Quantities: `mean` of the red channel; `centre`, that of the 4 x 4 pixels in the middle; `finite`, samples that are
+numbers all, which the other quantities ask for, too; `ratio`, of the mean to that of the file `to` with the same random
+numbers; `variance`, of single frames' pixels, over that of the file `to`, at most `tolerance`; `refused`, one line that
+holds the expected words. `mean|refused` and `finite|refused` leave the choice.
 """
 
 import csv
@@ -104,6 +104,8 @@ def mean(row, file):
     """Mean of the red channel, or of the middle alone."""
     renderer = open_renderer(row, file)
     renderer.render(int(row.options.get("frames", 64)))
+    if renderer.output("invalid").any():
+        return float("nan")  # as the mean would be, had Accumulate not left them out
     image = renderer.output("image")[..., 0].astype(float)
     return float((image[6:10, 6:10] if row.quantity == "centre" else image).mean())
 
@@ -115,6 +117,8 @@ def variance(row, file):
         renderer.seed = seed
         renderer.cut()
         renderer.render(1)
+        if renderer.output("invalid").any():
+            return float("nan")
         frames.append(renderer.output("image")[..., 0])
     return float(np.var(frames, axis=0, ddof=1, dtype=float).mean())
 
@@ -180,6 +184,8 @@ def measure_program(row):
             return Refused(said[0])
         if code != 0:
             return Fault(f"exit code {code}: {' / '.join(said)[:200]}")
+        if restirpg.read_exr(picture, "invalid").any():
+            return float("nan")
         return float(restirpg.read_exr(picture)[..., 0].astype(float).mean())
 
 

@@ -1,11 +1,16 @@
 """The programs of benchmarks/: a mistake is one line and exit code 2."""
 
 import os
+import re
+import resource
 import subprocess
 import sys
 
+import finished_rows
 import pytest
 from renderer_scenes import ROOT
+
+from restirpg.harness import UserError
 
 #: Programs, and arguments that name a scene which is not there.
 PROGRAMS = {
@@ -47,3 +52,35 @@ def test_a_file_that_is_no_glb_is_one_line(tmp_path, name):
 def test_one_run_of_a_renderer_cannot_be_tested(tmp_path, option):
     done = run(tmp_path, "mitsuba/compare_with_mitsuba.py", *PROGRAMS["mitsuba/compare_with_mitsuba.py"], option, 1)
     assert done.returncode == 2 and "'1' is not a whole number of at least 2" in done.stderr
+
+
+def test_files_are_written_whole_or_not_at_all():
+    """By restirpg.harness.files; a kill would leave half of what these write."""
+    programs = [file for folder in ("scripts", "benchmarks") for file in (ROOT / folder).rglob("*.py")]
+    writes = re.compile(r"\.write_(text|bytes)\(|open\([^)]*\"[wx]b?\"")
+    found = {file.name for file in programs if writes.search(file.read_text())}
+    assert found == {"files.py", "cache.py"}  # the second one writes to memory
+
+
+def test_a_row_that_cannot_be_added_leaves_those_before(tmp_path):
+    file, (soft, hard) = tmp_path / "rows.csv", resource.getrlimit(resource.RLIMIT_FSIZE)
+    for seed in (1, 2):
+        finished_rows.append_row(file, ("seed", "mape"), (seed, 0.5))
+    before = file.read_text()
+    assert before == "seed,mape\n1,0.5\n2,0.5\n"
+    resource.setrlimit(resource.RLIMIT_FSIZE, (len(before) + 3, hard))
+    try:
+        with pytest.raises(UserError, match=r"rows\.csv: cannot be written"):
+            finished_rows.append_row(file, ("seed", "mape"), (3, 0.5))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert file.read_text() == before
+
+
+def test_programs_are_run_by_the_python_that_the_set_up_gives_numpy():
+    for file in (ROOT / "benchmarks").rglob("*.py"):
+        first = file.read_text().partition("\n")[0]
+        runs = first.startswith("#!")
+        assert first == "#!/usr/bin/python3" if runs else not os.access(file, os.X_OK), file
+        assert not runs or os.access(file, os.X_OK), file
+    assert "PYTHONPATH=scripts" not in "".join(file.read_text() for file in (ROOT / "benchmarks").rglob("*.py"))

@@ -9,7 +9,7 @@ import sys
 import time
 
 import pytest
-from harness_runs import ENVIRONMENT, arguments, compare, tables
+from harness_runs import ENVIRONMENT, arguments, changed, compare, tables
 
 from restirpg.harness.jobs import seed_of
 
@@ -21,10 +21,8 @@ SLOW = ["plain.json@sleep=0.1", "plain.json@noise=0.5,sleep=0.1,label=quiet"]  #
 SLOW_OPTIONS = {"reference_frames": 64, "reference_batches": 4}
 JOBS = 2 * 4 + 4  # two methods, four seeds, four batches of the reference
 
-# The program, writing down each job that it is told has ended.
+# Each job that the program is told has ended is written down.
 COUNTED = """
-import sys
-from restirpg.harness import compare
 from restirpg.harness.cluster import Cluster
 run = Cluster.run
 def counted(self, jobs, kind="run", **options):
@@ -33,12 +31,11 @@ def counted(self, jobs, kind="run", **options):
             print("ended", job.key, failure, flush=True)
         yield job, failure, answer
 Cluster.run = counted
-sys.exit(compare.main(sys.argv[1:]))
 """
 
 
 def start(folder, program, *arguments):
-    """A program of Dask, not ours to import anything for."""
+    """A program of Dask, started without our PYTHONPATH."""
     log = open(folder / f"{program}.log", "ab")
     return subprocess.Popen(
         [sys.executable, "-m", f"distributed.cli.{program}", *arguments],
@@ -80,10 +77,9 @@ def two_workers(scheduler, tmp_path):
 
 
 def test_a_worker_that_is_killed_loses_nothing_and_nothing_counts_twice(tmp_path, scheduler, two_workers):
-    assert compare(tmp_path, *SLOW, out="local", **SLOW_OPTIONS).returncode == 0
-    own = arguments(tmp_path, *SLOW, out="cluster", scheduler=scheduler, **SLOW_OPTIONS)[2:]
+    assert compare(tmp_path, *SLOW, out="local", jobs=4, **SLOW_OPTIONS).returncode == 0
     process = subprocess.Popen(
-        [sys.executable, "-c", COUNTED, *own],
+        arguments(tmp_path, *SLOW, program=changed(COUNTED), out="cluster", scheduler=scheduler, **SLOW_OPTIONS),
         cwd=tmp_path,
         env=ENVIRONMENT,
         stdout=subprocess.PIPE,
@@ -113,7 +109,17 @@ def test_a_run_that_fails_is_reported_as_with_local_workers(tmp_path, scheduler,
     assert run.returncode == 1 and "the device was lost" in run.stderr
 
 
+def test_a_worker_s_driver_is_told_what_the_asker_s_is_but_once(tmp_path, scheduler, two_workers, monkeypatch):
+    monkeypatch.setitem(ENVIRONMENT, "GALLIVM_PERF", "nopt")
+    run = compare(tmp_path, scheduler=scheduler)
+    assert run.returncode == 0, run.stderr
+    monkeypatch.delitem(ENVIRONMENT, "GALLIVM_PERF")
+    run = compare(tmp_path, scheduler=scheduler)
+    assert run.returncode != 0 and "a Dask worker's driver was started with another " in run.stderr
+
+
 def test_a_scheduler_that_is_not_there_is_one_line(tmp_path):
-    run = compare(tmp_path, scheduler="tcp://127.0.0.1:1")
+    impatient = changed("from restirpg.harness import cluster\ncluster.SECONDS = 1")
+    run = compare(tmp_path, program=impatient, scheduler="tcp://127.0.0.1:1")
     assert run.returncode == 2
     assert "compare.py: tcp://127.0.0.1:1: no Dask scheduler answers" in run.stderr

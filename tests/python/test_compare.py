@@ -1,19 +1,19 @@
 """scripts/compare.py from end to end on the fake renderer: findings, cache, interruptions, failures,
 mistakes."""
 
-import csv
 import importlib.util
 import io
 import json
 import re
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from harness_runs import ENVIRONMENT, ROOT, arguments, compare, write_graph
+from harness_runs import ENVIRONMENT, ROOT, SCRIPT, by_method, changed, compare, write_graph
 
 from restirpg.harness import display, jobs, render, selftest, statistics
-from restirpg.harness.jobs import Job, parse_method, seed_of
+from restirpg.harness.jobs import Call, Job, parse_method, seed_of
 
 
 def write_exr(file, broken, value):
@@ -24,10 +24,17 @@ def write_exr(file, broken, value):
         np.save(stream, image)
 
 
+def self_test(folder, *options):
+    """The harness's test of itself in `folder`, run to its end."""
+    write_graph(folder)
+    (folder / "scene.gltf").touch()
+    command = [*changed(), "--self-test", *options]
+    return subprocess.run(command, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True)
+
+
 def summary(folder, out="out"):
     """summary.csv: method -> {column: value}."""
-    with open(folder / out / "summary.csv") as file:
-        return {row["method"]: row for row in csv.DictReader(file)}
+    return by_method(folder / out / "summary.csv")
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +47,7 @@ def finished(tmp_path_factory):
         "plain.json@blotch=4,memory=0.6,label=blotchy",
         "plain.json@gain=1.05,label=bright",
     ]
-    run = compare(folder, *methods, size="64x48", frames=16, seeds=8)
+    run = compare(folder, *methods, program=SCRIPT, size="64x48", frames=16, seeds=8)
     assert run.returncode == 0, run.stderr
     return folder, run
 
@@ -75,6 +82,17 @@ def test_a_bounce_cap_of_none_is_a_cap(tmp_path):
     assert "bounce cap</th><td>0" in (tmp_path / "out/report.html").read_text().replace("\n", "")
 
 
+@pytest.mark.parametrize("setting, told", [("noise=0.5", "4"), ("bounces=2", "plain 4, quiet 2")])
+def test_the_report_says_the_graphs_bounce_caps(tmp_path, setting, told):
+    run = compare(tmp_path, "plain.json", f"plain.json@{setting},label=quiet")
+    assert run.returncode == 0, run.stderr
+    told = f"bounce cap of scene.gltf</th><td>{told} (the graphs&#39; own)"
+    text = (tmp_path / "out/report.html").read_text()
+    assert told in text.replace("\n", "") and "over all methods and scenes of the report (Holm)" in " ".join(
+        text.split()
+    )
+
+
 def verdict(stdout):
     """The verdict on the first scene, in one line."""
     text = " ".join(stdout.split())
@@ -107,7 +125,8 @@ def test_in_brief_there_is_a_verdict_and_one_table_of_80_columns(tmp_path):
 
 def test_labels_are_no_markup(tmp_path):
     label = "pt[/old] :bug: $x^$"
-    run = compare(tmp_path, "plain.json", f"plain.json@label={label}", size="16x16", frames=2, seeds=2)
+    options = {"program": SCRIPT, "size": "16x16", "frames": 2, "seeds": 2}
+    run = compare(tmp_path, "plain.json", f"plain.json@label={label}", **options)
     assert run.returncode == 0, run.stderr
     assert f" {label} " in run.stdout
     brief = subprocess.run([*run.args, "--brief"], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True)
@@ -207,24 +226,51 @@ def test_scenes_read_outside_of_their_folders_only_where_that_is_allowed(tmp_pat
     assert refused.returncode == 2 and "outside of the scene's folder" in refused.stderr
     allowed = compare(tmp_path, "plain.json", "--allow-outside", scenes="outside.gltf")
     assert allowed.returncode == 0, allowed.stderr
-    tested = compare(tmp_path, "plain.json", "--allow-outside", "--self-test", "--trials", "1", scenes="outside.gltf")
-    assert "trials" in tested.stdout, tested.stderr
 
 
-def test_runs_that_shared_the_machine_are_told_apart_from_those_that_did_not(tmp_path):
-    assert "were not alone" not in compare(tmp_path).stdout
-    assert "some runs were not alone (--jobs)" in compare(tmp_path, jobs=2, cache="other").stdout
+def test_modules_of_the_current_folder_are_not_imported(tmp_path):
+    """It may be anybody's: neither the program nor its workers look there before the standard library."""
+    for name in ("json", "socket", "threading"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('a module of the current folder was run')\n")
+    run = compare(tmp_path, "plain.json", program=SCRIPT, frames=2, seeds=2)
+    assert run.returncode == 0, run.stderr
+
+
+def test_runs_that_shared_the_machine_are_told_apart_from_those_that_did_not(finished, tmp_path):
+    assert "were not alone" not in finished[1].stdout
+    assert "some runs were not alone (--jobs)" in compare(tmp_path, jobs=2).stdout
 
 
 def test_one_seed_is_compared_but_not_tested(tmp_path):
-    run = compare(tmp_path, seeds=1)
+    run = compare(tmp_path, program=SCRIPT, seeds=1)
     assert run.returncode == 0, run.stderr
     assert "not tested" in run.stdout and "lower (" not in run.stdout
 
 
-def test_a_picture_can_be_the_reference(tmp_path):
-    assert compare(tmp_path).returncode == 0
-    run = compare(tmp_path, out="other", reference="out/images/scene.reference.exr")
+def test_one_seed_has_no_standard_error(tmp_path):
+    run = compare(tmp_path, seeds=1, brief=[])
+    assert run.returncode == 0, run.stderr
+    assert "nan" not in run.stdout and re.search(r"^ *quiet +[\d.]+% +[\d.]+% ", run.stdout, re.MULTILINE), run.stdout
+
+
+def test_files_of_an_earlier_comparison_do_not_stay(tmp_path):
+    """But for those that others wrote, or changed."""
+    first = compare(tmp_path, "plain.json", "plain.json@label=b", "plain.json@label=c", at="4,8")
+    assert "tables.txt, summary.csv, runs.csv, frames.csv and images/*.exr lie beside it" in first.stdout, first.stderr
+    images = tmp_path / "out/images"
+    assert (tmp_path / "out/frames.csv").exists() and (images / "scene.b.exr").exists()
+    for own in (tmp_path / "out/mine.csv", images / "scene.mine.exr", images / "scene.c.exr"):
+        own.write_text("mine")
+    second = compare(tmp_path, "plain.json")
+    assert "tables.txt, summary.csv, runs.csv and images/*.exr lie beside it" in second.stdout, second.stderr
+    there = {str(path.relative_to(tmp_path / "out")) for path in (tmp_path / "out").rglob("*.*")}
+    expected = {"report.html", "tables.txt", "summary.csv", "runs.csv", "written.json", "mine.csv"}
+    expected |= {f"images/scene.{name}.exr" for name in ("reference", "plain", "mine", "c")}
+    assert {name for name in there if not name.startswith("cache/")} == expected
+
+
+def test_a_picture_can_be_the_reference(finished, tmp_path):
+    run = compare(tmp_path, size="64x48", reference=finished[0] / "out/images/scene.reference.exr")
     assert run.returncode == 0, run.stderr
     assert "taken as exact" in run.stdout
 
@@ -268,28 +314,24 @@ def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, methods, options, words
     (tmp_path / "broken.glb").touch()
     (tmp_path / "bad.json").write_text("{")
     (tmp_path / "deep.json").write_text(10**5 * "[")
-    run = compare(tmp_path, *methods, **options)
+    # Without matplotlib, for that takes a second to import, and what is wrong is told at once.
+    run = compare(tmp_path, *methods, program=changed('sys.modules["matplotlib"] = None'), **options)
     assert run.returncode == 2
     lines = [line for line in run.stderr.splitlines() if not line.startswith(("usage:", " "))]
     assert len(lines) == 1 and words in lines[0], run.stderr
 
 
+def job_of(**options):
+    """A job; options override."""
+    own = {"scene": "a.glb", "scene_hash": "1", "graph": "g.py", "description": "{}", "code": "c"}
+    return Job(**{**own, "size": (8, 8), "frames": 2, "seed": 3, **options})
+
+
 def test_a_job_is_named_by_its_content_alone():
-    job = Job(scene="a.glb", scene_hash="1", graph="g.py", description="{}", size=(8, 8), frames=2, seed=3, code="c")
-    same = Job(
-        scene="b.glb",
-        scene_hash="1",
-        graph="h.py",
-        description="{}",
-        size=(8, 8),
-        frames=2,
-        seed=3,
-        code="c",
-        label="x",
-    )
-    assert job.key == same.key
+    job = job_of()
+    assert job.key == job_of(scene="b.glb", graph="h.py", label="x").key
     others = [
-        Job(**{**job.__dict__, name: value})
+        job_of(**{name: value})
         for name, value in [
             ("scene_hash", "2"),
             ("description", "[]"),
@@ -308,18 +350,15 @@ def test_a_job_is_named_by_its_content_alone():
     assert len({job.key, *(other.key for other in others)}) == 1 + len(others)
 
 
+def test_a_measurement_is_named_by_its_camera_and_its_environment_too():
+    """The hash of a scene tells files of environments apart, but no radiances."""
+    call = Call(job_of, "a.glb", "1", (), "c")
+    others = [replace(call, **own) for own in ({"environment": "1,1,1"}, {"environment": "2,2,2"}, {"camera": 1})]
+    assert len({call.key, *(other.key for other in others)}) == 1 + len(others)
+
+
 def test_a_run_that_measures_other_frames_is_another_job(monkeypatch):
-    job = Job(
-        scene="a.glb",
-        scene_hash="1",
-        graph="g.py",
-        description="{}",
-        size=(8, 8),
-        frames=400,
-        seed=3,
-        code="c",
-        reference="r",
-    )
+    job = job_of(frames=400, reference="r")
     before = job.key
     monkeypatch.setattr(jobs, "LAST_FRAMES", 40)
     assert job.key != before
@@ -335,15 +374,32 @@ def test_settings_of_a_method_keep_their_types(tmp_path):
 def test_the_harness_passes_its_self_test(tmp_path):
     # Null hypothesis: no more than 5% of trials between equal methods claim a difference. The rate aimed at
     # is 2%: of 60 trials more than 3 alarm with a probability of 3%; base seed and outcome are fixed.
-    run = subprocess.run(
-        [*arguments(tmp_path, "plain.json"), "--self-test"],
-        cwd=tmp_path,
-        env=ENVIRONMENT,
-        capture_output=True,
-        text=True,
-    )
+    # The scene reads outside of its folder: the self-test, too, does so only where that is allowed.
+    (tmp_path / "outside.gltf").touch()
+    run = self_test(tmp_path, "plain.json", "--scenes", "outside.gltf", "--allow-outside", "--trials", "60")
     assert run.returncode == 0, run.stdout + run.stderr
     assert "found in 5 of 5 trials" in run.stdout and "smallest detectable bias is" in run.stdout
+
+
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        (["--size", "64x36", "--seeds", "3"], "--self-test chooses its own --seeds, --size; leave out"),
+        (["--frames", "4"], "its own --frames;"),
+        (["--energy-compensation"], "its own --energy-compensation;"),
+        (["plain.json"], "--self-test reads one of the methods, not 2"),
+        (["--scenes", "a.glb", "b.glb"], "--self-test reads one of the scenes, not 2"),
+        (["--reference-graph", "other.json"], "--self-test reads --reference-graph where no method is given"),
+    ],
+)
+def test_the_self_test_refuses_what_it_would_ignore(tmp_path, options, words):
+    run = self_test(tmp_path, "plain.json", *options)
+    assert (run.returncode, run.stdout) == (2, "") and words in run.stderr and run.stderr.count("\n") == 1
+
+
+def test_trials_are_those_of_the_self_test(tmp_path):
+    run = compare(tmp_path, "plain.json", trials=3)
+    assert run.returncode == 2 and "--trials are those of --self-test" in run.stderr
 
 
 def test_the_self_test_fails_when_equal_methods_differ(tmp_path, monkeypatch):
@@ -403,3 +459,18 @@ def test_the_code_s_hash_is_that_of_its_files_wherever_they_lie(tmp_path, monkey
     assert version("1") != first
     monkeypatch.setenv("RESTIRPG_VALIDATION", "1")
     assert version("2") not in (first, version("1"))
+
+
+def test_the_code_s_hash_is_of_what_the_driver_was_told_too(monkeypatch):
+    """The renderer itself asks for vectors of 128 bits where nobody else does."""
+    monkeypatch.setattr(render, "_code_files", list)
+    for name in render.OF_TIMES:
+        monkeypatch.delenv(name, raising=False)
+    usual, found = render.code_version(), []
+    for name, value in (("LP_NATIVE_VECTOR_WIDTH", "256"), ("LP_NUM_THREADS", "1"), ("GALLIVM_PERF", "nopt")):
+        with monkeypatch.context() as patch:
+            patch.setenv(name, value)
+            found.append(render.code_version())
+    assert len({usual, *found}) == 4
+    monkeypatch.setenv("LP_NATIVE_VECTOR_WIDTH", "128")
+    assert render.code_version() == usual

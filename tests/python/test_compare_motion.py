@@ -1,14 +1,12 @@
 """scripts/compare.py while things move: each measured frame against the reference of that frame."""
 
-import csv
 import json
 import os
 import subprocess
-import sys
 
 import numpy as np
 import pytest
-from harness_runs import ENVIRONMENT, ROOT, arguments, compare, write_graph
+from harness_runs import ROOT, SCRIPT, changed, compare, csv_rows, write_graph
 from renderer_scenes import restirpg, write_flying_panel
 
 from restirpg.harness import scenes
@@ -26,28 +24,19 @@ def write_scene(folder, times=(0.0, 9.0), interpolation="LINEAR"):
 
 
 def options_of(folder, **options):
-    """Of a comparison whose reference has no noise."""
-    reference = write_graph(folder, "exact", noise=0)
-    return {
-        "scenes": "moving.gltf",
-        "seeds": 3,
-        "frames": 16,
-        "reference_graph": reference,
-        "reference_frames": 4,
-        "reference_batches": 2,
-        **options,
-    }
+    """Of a comparison whose reference, where none is given, has no noise."""
+    rendered = {"reference_graph": write_graph(folder, "exact", noise=0), "reference_frames": 4, "reference_batches": 2}
+    return {"scenes": "moving.gltf", "seeds": 3, **({} if "reference" in options else rendered), **options}
 
 
 def frames(folder):
     """frames.csv: (method, frame) -> {column: value}."""
-    with open(folder / "out/frames.csv") as file:
-        return {
-            (row["method"], int(row["frame"])): {
-                name: float(row[name]) for name in row if "_" in name or name in ("mape", "relmse", "bias")
-            }
-            for row in csv.DictReader(file)
+    return {
+        (row["method"], int(row["frame"])): {
+            name: float(row[name]) for name in row if "_" in name or name in ("mape", "relmse", "bias")
         }
+        for row in csv_rows(folder / "out/frames.csv")
+    }
 
 
 def referred(folder):
@@ -61,7 +50,7 @@ def referred(folder):
 
 def test_each_frame_is_measured_alone_and_against_its_own_reference(tmp_path):
     write_scene(tmp_path)
-    run = compare(tmp_path, *METHODS, **options_of(tmp_path, at="1,2,5", fps=4))
+    run = compare(tmp_path, *METHODS, program=SCRIPT, **options_of(tmp_path, at="1,2,5", fps=4))
     assert run.returncode == 0, run.stderr
     rows = frames(tmp_path)
     assert sorted(rows) == [(method, frame) for method in ("noisy", "quiet") for frame in (1, 2, 5)]
@@ -74,21 +63,15 @@ def test_each_frame_is_measured_alone_and_against_its_own_reference(tmp_path):
 
 
 INJECTION = """
-import sys
-from restirpg.harness import compare
 from restirpg.harness.comparison import Comparison
 views = Comparison._views
 Comparison._views = lambda self, scene: {frame: view - 1 for frame, view in views(self, scene).items()}
-sys.exit(compare.main(sys.argv[1:]))
 """
 
 
 def test_the_reference_of_the_frame_before_shows_as_an_error(tmp_path):
     write_scene(tmp_path)
-    own = arguments(tmp_path, *METHODS, **options_of(tmp_path, at="2,5", fps=4))[2:]
-    run = subprocess.run(
-        [sys.executable, "-c", INJECTION, *own], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True
-    )
+    run = compare(tmp_path, *METHODS, program=changed(INJECTION), **options_of(tmp_path, at="2,5", fps=4))
     assert run.returncode == 0, run.stderr
     assert all(frames(tmp_path)["quiet", frame]["mape"] > 0.1 for frame in (2, 5))
 
@@ -116,6 +99,15 @@ def test_frames_of_a_still_scene_have_the_reference_of_its_mean(tmp_path):
     assert all(row["mape"] < 1e-5 for row in frames(tmp_path).values())
 
 
+def test_what_is_wrong_with_the_reference_of_any_measured_frame_is_told(tmp_path):
+    """Frames 1 and 4 share one, frame 5 has its own: two of two batches each."""
+    write_scene(tmp_path, (0.0, 1.0), "STEP")
+    options = {**options_of(tmp_path, at="1,4,5", fps=4), "reference_graph": write_graph(tmp_path, "holes", broken=3)}
+    run = compare(tmp_path, METHODS[1], **options)
+    assert run.returncode == 0, run.stderr
+    assert "reference: 12 NaN or infinite pixels of its batches count as black" in run.stdout
+
+
 @pytest.mark.parametrize(
     "times, interpolation, held",
     [
@@ -135,7 +127,8 @@ def test_an_animation_stands_before_between_and_after_what_moves_it(tmp_path, ti
     [
         ({"fps": 4}, "say which, as in --at"),
         ({"at": "4,2"}, "no ascending list of frames"),
-        ({"at": "32"}, "--at asks for frame 32, and --frames ends the runs after 16"),
+        ({"at": "32", "frames": 16}, "--at asks for frame 32, and --frames ends the runs after 16"),
+        ({"at": "1,8", "frames": 100}, "--at ends the runs after frame 8, before --frames does; leave out --frames"),
         ({"fps": -1, "at": "2"}, "no positive number"),
         ({"fps": 4, "at": "1,2", "reference": "moving.reference.exr"}, "show different things"),
     ],
@@ -159,8 +152,7 @@ def test_the_renderer_shows_what_its_reference_shows(tmp_path):
     write_flying_panel(tmp_path / "panel.gltf")
     graph = f"{ROOT}/graphs/path_tracer.py@gbuffer.jitter=false"
     command = [
-        sys.executable,
-        ROOT / "scripts/compare.py",
+        *SCRIPT,
         graph,
         "--scenes",
         "panel.gltf",

@@ -4,11 +4,14 @@ controls say."""
 import base64
 import re
 import shutil
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
-from harness_runs import compare
+from harness_runs import SCRIPT, compare
 from webdriver import Browser
 
+from restirpg.harness import plots
 from restirpg.harness.report import side_by_side
 
 CENTRE = (
@@ -22,7 +25,8 @@ CENTRE = (
 def report(tmp_path_factory):
     """A report of two methods, one of them with a label that must be escaped."""
     folder = tmp_path_factory.mktemp("report")
-    run = compare(folder, "plain.json", "plain.json@gain=4,noise=0.1,label=four</script> times", size="64x32", frames=4)
+    methods = ("plain.json", "plain.json@gain=4,noise=0.1,label=four</script> times")
+    run = compare(folder, *methods, program=SCRIPT, size="64x32", frames=4)
     assert run.returncode == 0, run.stderr
     return folder / "out/report.html"
 
@@ -52,6 +56,18 @@ def state(browser):
 def pixel(browser, x):
     """RGBA of the pane at a fraction of its width, half way down."""
     return browser.run(CENTRE.format(x=x))
+
+
+def test_no_two_of_twenty_curves_look_alike():
+    methods = [
+        SimpleNamespace(label=str(number), frames=np.array([1, 2]), curves={"bias": np.ones((2, 2))})
+        for number in range(20)
+    ]
+    svg = plots.bias_curves(SimpleNamespace(methods=methods, noise={"relative_se": 0.01}, at=()))
+    looks = re.findall(
+        r"style=\"fill: none; ((?:stroke-dasharray: [^;]*;)?)[^\"]*?stroke: (#\w+); stroke-width: 1.4", svg
+    )
+    assert len(set(looks)) == 20, looks
 
 
 def test_the_report_names_no_address_to_load_from(report):
@@ -152,11 +168,7 @@ def test_blinking_shows_a_and_b_in_turn(browser):
         "document.querySelector('[data-mode=blink]').click(); window.seen = new Set();"
         "setInterval(() => window.seen.add(viewers[0].state.shown), 50)"
     )
-    for _ in range(200):
-        if browser.run("return window.seen.size") == 2:
-            break
-    else:
-        raise AssertionError("it does not blink")
+    browser.wait("window.seen.size === 2")
 
 
 def test_error_maps_share_one_scale_and_are_black_for_the_reference(browser):

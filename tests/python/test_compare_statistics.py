@@ -1,9 +1,12 @@
 """Statistics of the harness against closed forms, SciPy, and their own null distributions."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy import stats
 
+from restirpg.harness import analysis, tables
 from restirpg.harness import statistics as st
 from restirpg.harness.jobs import Job
 from restirpg.harness.measure import TemporalSums
@@ -59,6 +62,24 @@ def test_a_biased_block_is_found_among_unbiased_ones():
     runs[:, 3, 4] += 0.25
     p = st.block_bias_p_values(runs, batches)
     assert [tuple(index) for index in np.argwhere(p * p.size < st.LEVEL)] == [(3, 4)]
+
+
+def test_biased_blocks_are_counted_after_the_correction_that_their_p_has():
+    """Of 100 blocks and six tests in all; with more bias elsewhere fewer tests are left to correct for."""
+
+    def counted(blocks, *others):
+        methods = [
+            SimpleNamespace(bias=SimpleNamespace(p=0.5), block_p=np.array(p), adjusted={}, biased_blocks=0)
+            for p in (blocks, *others)
+        ]
+        assert analysis._correct_bias(methods) == 2 * len(methods)
+        return tables.block_cell(methods[0])
+
+    blocks, clean = [0.0, 1e-5, 1.9e-5, 9e-5, *96 * [0.5]], 100 * [0.5]
+    assert counted(blocks, clean, clean) == "2 of 100 biased (p = 1e-99)"
+    assert counted(blocks) == "3 of 100 biased (p = 1e-99)"
+    assert counted(blocks[1:], [1e-9, *clean], [1e-9, *clean]) == "2 of 99 biased (p = 0.004)"
+    assert counted(clean, blocks) == "none of 100 (p = 1)"
 
 
 def test_blocks_that_rare_samples_have_missed_are_not_called_biased():

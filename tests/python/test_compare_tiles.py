@@ -1,12 +1,11 @@
 """scripts/compare.py --tiles: errors measured in random tiles of a picture, of which alone a reference is rendered."""
 
-import csv
 import json
 import math
 
 import numpy as np
 import pytest
-from harness_runs import compare, write_graph
+from harness_runs import compare, csv_rows, write_graph
 
 from restirpg.harness import UserError, tiles
 from restirpg.harness import statistics as st
@@ -14,10 +13,9 @@ from restirpg.harness import statistics as st
 AT = {"at": "3,4,5", "frames": 5, "seeds": 1, "reference_frames": 64, "reference_batches": 4}
 
 
-def rows(folder, name="frames.csv"):
-    """A CSV file of the report: (method, frame) -> row."""
-    with open(folder / "out" / name) as file:
-        return {(row["method"], row.get("frame")): row for row in csv.DictReader(file)}
+def frames(folder):
+    """frames.csv: (method, frame) -> row."""
+    return {(row["method"], row["frame"]): row for row in csv_rows(folder / "out/frames.csv")}
 
 
 def picture_and_truth(rng):
@@ -65,10 +63,10 @@ def test_all_tiles_measure_what_the_whole_picture_measures(tmp_path):
     methods = ["plain.json", "plain.json@noise=0.5,broken=3,label=quiet"]
     whole = compare(tmp_path, *methods, **AT)
     assert whole.returncode == 0, whole.stderr
-    expected = rows(tmp_path)
+    expected = frames(tmp_path)
     run = compare(tmp_path, *methods, **AT, tiles=12, tile_size=8)
     assert run.returncode == 0, run.stderr
-    found = rows(tmp_path)
+    found = frames(tmp_path)
     assert found.keys() == expected.keys()
     for key, row in found.items():
         if key[0] == "plain":
@@ -94,12 +92,12 @@ def test_another_reference_takes_no_run_again_and_costs_the_tiles_alone(tmp_path
 
 
 def test_the_references_noise_has_a_standard_error_of_its_own(tmp_path):
-    """Four times the frames halve it, about: 16 batches tell it to 20%."""
+    """16 times the frames quarter it, about: 16 batches tell it to 20%."""
     found = {}
     for frames in (64, 1024):
         options = {**AT, "reference_frames": frames, "reference_batches": 16}
         assert compare(tmp_path, **options, tiles=12, tile_size=8).returncode == 0
-        found[frames] = [float(row["mape_reference_se"]) for row in rows(tmp_path, "tiles.csv").values()]
+        found[frames] = [float(row["mape_reference_se"]) for row in csv_rows(tmp_path / "out/tiles.csv")]
     for few, many in zip(found[64], found[1024]):
         assert 2 < few / many < 8
 
@@ -107,6 +105,7 @@ def test_the_references_noise_has_a_standard_error_of_its_own(tmp_path):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
+        ({"tile_size": 8}, "--tile-size is that of --tiles; leave it out, or add --tiles"),
         ({"tiles": 4, "tile_size": 8}, "--at 11,12,13"),
         ({**AT, "tiles": 4, "tile_size": 7}, "--tile-size"),
         ({**AT, "tiles": 13, "tile_size": 8}, "only 12 tiles"),
@@ -129,5 +128,5 @@ def test_an_exr_of_the_whole_picture_is_a_reference_too(tmp_path):
     with open(tmp_path / "truth.exr", "wb") as stream:
         np.save(stream, np.full((24, 32, 3), 0.2, np.float32))
     write_graph(tmp_path)
-    run = compare(tmp_path, **AT, tiles=5, tile_size=8, reference="truth.exr")
+    run = compare(tmp_path, at="3,4,5", seeds=1, tiles=5, tile_size=8, reference="truth.exr")
     assert run.returncode == 0, run.stderr

@@ -1,21 +1,18 @@
 """Denoising: what is asked of the optional package pyoidn, which a stand-in plays where it is not installed."""
 
-import csv
 import importlib.util
+import re
 import sys
 import types
 from pathlib import Path
 
 import numpy as np
 import pytest
-from harness_runs import ENVIRONMENT, compare
-from renderer_scenes import make_renderer, restirpg, scene, scene_file  # noqa: F401
+from harness_runs import ENVIRONMENT, SCRIPT, compare, csv_rows
+from renderer_scenes import make_renderer, restirpg
 
-
-def rows(file):
-    """A CSV file's rows."""
-    with open(file) as stream:
-        return list(csv.DictReader(stream))
+from restirpg import denoise_file
+from restirpg.harness import statistics
 
 
 def test_without_the_package_one_line_says_what_to_install(monkeypatch):
@@ -48,13 +45,44 @@ def test_a_denoised_picture_is_nearer_to_the_truth(scene):
     assert errors[0] < 0.8 * errors[1]
 
 
+@pytest.fixture
+def noisy(renderer, tmp_path, monkeypatch):
+    """A rendered EXR file; a stand-in for pyoidn halves its values."""
+    monkeypatch.setitem(sys.modules, "pyoidn", types.SimpleNamespace(denoise=lambda image, *_, **__: image / 2))
+    renderer.render(1)
+    renderer.save(tmp_path / "noisy.exr")
+    return tmp_path / "noisy.exr"
+
+
+def test_a_denoised_file_says_so_and_what_it_is_of(noisy):
+    denoised = noisy.with_name("denoised.exr")
+    assert denoise_file.main([str(noisy), str(denoised)]) == 0
+    np.testing.assert_array_equal(restirpg.read_exr(denoised), restirpg.read_exr(noisy) / 2)
+    own = restirpg.read_exr_attributes(noisy)
+    assert restirpg.read_exr_attributes(denoised) == {**own, "restirpg.denoised": "true"} and "restirpg.seed" in own
+
+
+@pytest.mark.parametrize("link", [None, "symlink_to", "hardlink_to"])
+def test_a_file_is_not_denoised_into_itself(noisy, link, capsys):
+    target, before = noisy, noisy.read_bytes()
+    if link:
+        target = noisy.with_name("link.exr")
+        getattr(target, link)(noisy)
+    assert denoise_file.main([str(noisy), str(target)]) == 2
+    told = capsys.readouterr().err
+    assert told == (
+        f"restirpg.denoise_file: {target}: cannot write: it is the file {noisy}, which was read; choose another name\n"
+    )
+    assert noisy.read_bytes() == before
+
+
 def test_errors_after_denoising_stand_apart(tmp_path, monkeypatch):
     """The stand-in halves the noise, and so the error of a picture that is measured beside a much better reference."""
     folder = Path(__file__).parent / "fake_packages"
     monkeypatch.setitem(ENVIRONMENT, "PYTHONPATH", f"{folder}:{ENVIRONMENT['PYTHONPATH']}")
     methods, options = ("plain.json", "plain.json@noise=0.5,label=quiet"), {"reference_frames": 4096, "cache": "runs"}
     assert compare(tmp_path, *methods, out="plain", **options).returncode == 0
-    run = compare(tmp_path, *methods, denoise=[], **options)
+    run = compare(tmp_path, *methods, program=SCRIPT, denoise=[], **options)
     assert run.returncode == 0, run.stderr
     assert not (tmp_path / "plain/denoised.csv").exists()
     for name in ("summary.csv", "runs.csv"):  # the other figures do not change
@@ -65,15 +93,33 @@ def test_errors_after_denoising_stand_apart(tmp_path, monkeypatch):
     )
     before = {
         (row["method"], row["seed"]): float(row["mape"])
-        for row in rows(tmp_path / "out/runs.csv")
+        for row in csv_rows(tmp_path / "out/runs.csv")
         if row["frame"] == "8"
     }
     after = {
-        (row["method"], row["seed"]): float(row["mape_denoised_image"]) for row in rows(tmp_path / "out/denoised.csv")
+        (row["method"], row["seed"]): float(row["mape_denoised_image"])
+        for row in csv_rows(tmp_path / "out/denoised.csv")
     }
     assert len(after) == 8 and all(after[run] == pytest.approx(0.5 * before[run], rel=0.1) for run in after)
     page = (tmp_path / "out/report.html").read_text()
     assert "last frame, denoised" in page and "FLIP of the last frame" in page
+
+
+def test_of_frames_measured_alone_one_picture_is_denoised_and_tested_once(tmp_path, monkeypatch):
+    """The p in the table is that of a single test: nothing was corrected for a second one."""
+    folder = Path(__file__).parent / "fake_packages"
+    monkeypatch.setitem(ENVIRONMENT, "PYTHONPATH", f"{folder}:{ENVIRONMENT['PYTHONPATH']}")
+    run = compare(tmp_path, "plain.json", "plain.json@blotch=2,label=blotchy", program=SCRIPT, denoise=[], at="4,8")
+    assert run.returncode == 0, run.stderr
+    found = csv_rows(tmp_path / "out/denoised.csv")
+    assert list(found[0]) == ["scene", "method", "seed", "mape_denoised_frame"]
+    plain, other = (
+        np.array([float(row["mape_denoised_frame"]) for row in found if row["method"] == method])
+        for method in ("plain", "blotchy")
+    )
+    table = run.stdout[run.stdout.index("Error after denoising") :]
+    told = float(re.search(r"blotchy .*\(p = ([\d.e-]+)\)", table)[1])
+    assert told == pytest.approx(statistics.paired(other, plain).p, rel=0.06)
 
 
 def test_a_comparison_cannot_denoise_without_the_package(tmp_path, monkeypatch):

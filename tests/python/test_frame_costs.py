@@ -1,11 +1,12 @@
 """benchmarks/frame_costs.py: a row a method, its times in a file, and mistakes in a line."""
 
-import csv
 import subprocess
 import sys
 
 import frame_costs
-from renderer_scenes import ROOT, scene_file  # noqa: F401
+import pytest
+from harness_runs import csv_rows
+from renderer_scenes import ROOT
 
 TRACER = ROOT / "graphs/path_tracer.py"
 
@@ -24,8 +25,7 @@ def test_methods_render_in_turn_and_every_pass_is_written(scene_file, tmp_path):
     assert done.returncode == 0, done.stderr
     first, short = done.stdout.splitlines()
     assert first.startswith("path_tracer ") and "x1.000 ± 0.000" in first and short.startswith("short ")
-    with open(file, newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = csv_rows(file)
     passes = ("gbuffer", "paths", "accumulate")
     assert {(row["method"], row["round"], row["pass"]) for row in rows} == {
         (method, number, name) for method in ("path_tracer", "short") for number in "01" for name in passes
@@ -37,6 +37,27 @@ def test_a_bounce_cap_of_none_is_a_cap():
     assert frame_costs.parse([str(TRACER), "--scene", "room.glb", "--bounces", "0"]).bounces == 0
 
 
-def test_a_knob_that_is_not_there_is_one_line(scene_file):
-    done = run(f"{TRACER}@paths.bouncs=2", "--scene", scene_file)
-    assert done.returncode == 2 and "has no knob 'bouncs'" in done.stderr and done.stderr.count("\n") == 1
+@pytest.mark.parametrize(
+    "setting, words",
+    [
+        ("paths.bouncs=2", "has no knob 'bouncs'"),
+        ("bouncs=2", "no pass has a knob 'bouncs'; did you mean 'bounces'?"),
+        ("device=NoSuchGPU", "NoSuchGPU"),
+        ("backend=magic", "no back end 'magic'"),
+        ("output=albedo", "'output' changes nothing here; leave it out"),
+    ],
+)
+def test_a_wrong_setting_is_one_line(scene_file, setting, words):
+    done = run(f"{TRACER}@{setting}", "--scene", scene_file)
+    assert done.returncode == 2 and words in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_one_round_has_no_standard_error_and_is_refused(scene_file):
+    done = run(TRACER, "--scene", scene_file, "--size", "16x9", "--rounds", 1)
+    assert done.returncode == 2 and "'1' is not a whole number of at least 2" in done.stderr
+
+
+def test_a_table_that_cannot_be_written_is_told_before_a_frame_is_rendered(scene_file, tmp_path):
+    (tmp_path / "file").touch()
+    done = run(TRACER, "--scene", scene_file, "--csv", tmp_path / "file/times.csv")
+    assert (done.returncode, done.stdout) == (2, "") and "choose another folder with --csv" in done.stderr

@@ -149,6 +149,12 @@ def test_mistakes_are_one_located_line(tmp_path):
     assert refusal(tmp_path, start + "import json; json.loads('x')\n").startswith("g.py:3: JSONDecodeError: ")
     assert refusal(tmp_path, start + "def f(:\n") == "g.py:3: SyntaxError: invalid syntax"
     assert refusal(tmp_path, "\0") == "g.py:1: ValueError: source code string cannot contain null bytes"
+    assert refusal(tmp_path, "from restirpg import Graph\n\ngraph = Graph(b'x')\n") == (
+        "g.py:3: a graph's name is text, not b'x'"
+    )
+    assert refusal(tmp_path, start + "graph = g\ng.name = b'x'\n") == (
+        "g.py:1: TypeError: Object of type bytes is not JSON serializable"
+    )
     assert refusal(tmp_path, start) == (
         "g.py:1: the file has no variable 'graph'; end it with graph = ..., a restirpg.Graph"
     )

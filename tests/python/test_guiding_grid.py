@@ -6,8 +6,6 @@ Nothing here is statistical. Left out are cells that rounding decides: vertices 
 border, or lobes within 10^-4 of a threshold of re-seeding. That these are few is tested, too.
 """
 
-import subprocess
-import sys
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -15,13 +13,11 @@ import guiding_fit_oracle as fit_oracle
 import guiding_oracle as oracle
 import numpy as np
 import pytest
-from renderer_scenes import (  # noqa: F401
-    ROOT,
-    make_renderer,
-    restirpg,
-    scene,
-    scene_file,
-)
+from renderer_scenes import ROOT, check_samples, make_renderer, restirpg
+
+from restirpg.harness.guiding import level_of
+from restirpg.scenes import shapes
+from restirpg.scenes.gltf import SceneFile, lambert
 
 FRAMES = 6
 #: Cells of this part of the image's height hold some ten samples each at 32 x 32.
@@ -29,6 +25,8 @@ CELL_SIZE = 0.15
 SUM_TOLERANCE = 2.0**-19  # of the samples' weight: single-precision exp; measured: 2^-21
 PACKED = 1e-4  # of a direction in 32 bits
 FIT_TOLERANCE = 0.01  # of kappa and weight; measured: 0.2%
+#: A header's fields of which the grid is made.
+GRID = ("camera", "scale", "origin", "smallest")
 #: Under a moving camera, the middle of a cell that changes its level is a corner of finer ones, and rounding
 #: picks one of them.
 FEW = 0.05
@@ -93,8 +91,9 @@ def in_added_rows(renderer, samples):
     return by_row[(renderer.frame - 1) % step :: step].reshape(-1)
 
 
-def record(scene, graph, move=0.0, count=FRAMES, **knobs):
-    """`count` frames of a graph whose camera steps `move` m aside a frame. Knobs: pass__knob."""
+def record(scene, graph, move=0.0, count=FRAMES, leaves=None, **knobs):
+    """`count` frames of a graph whose camera steps `move` m aside per frame. In the last two the node `leaves` is 100 m
+    away, so that the scene outgrows its sphere. Knobs: pass__knob."""
     renderer = make_renderer(scene, graph, seed=7)
     for name, value in knobs.items():
         renderer.set(name.replace("__", "."), value)
@@ -106,6 +105,10 @@ def record(scene, graph, move=0.0, count=FRAMES, **knobs):
     frames, before = [], None
     for frame in range(count):
         renderer.move_camera(position=(place[0] + move * frame, place[1], place[2]))
+        if leaves and frame == count - 2:
+            away = np.eye(4)
+            away[:3, 3] = 100.0
+            renderer.move_node(leaves, away)
         renderer.render(1)
         guide = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, *memory)
         statistics = oracle.read_table(renderer.read_port("splat.statistics"), oracle.SUMS, *distances)
@@ -115,7 +118,7 @@ def record(scene, graph, move=0.0, count=FRAMES, **knobs):
             )
         )
         before = guide
-        assert np.isfinite(renderer.output("image")).all()
+    check_samples(renderer)
     return frames
 
 
@@ -130,7 +133,7 @@ def graph_of(name):
 CASES = {
     "still": ("cornell_box", "restir_pg", {}),
     "moving": ("door_ajar", "restir_pg", {"move": 0.04}),
-    "raw, parallax and decay": ("door_ajar", "raw_pt_ruppert2020", {"move": 0.04}),
+    "raw, parallax and decay": ("door_ajar", "raw_pt_ruppert2020", {"move": 0.04, "splat__cell_size": 0.24}),
     "raw, decay and lobes that are moved": (
         "door_ajar",
         "raw_pt_ruppert2020",
@@ -144,6 +147,7 @@ CASES = {
     "every third row": ("door_ajar", "restir_pg", {"splat__rows": 12}),
     "two lobes": ("door_ajar", "restir_pg", {"fit__lobes": 2}),
     "learnt alpha": ("door_ajar", "restir_pg", {"move": 0.04, "fit__learn_alpha": True}),
+    "a scene that outgrows its sphere": ("door_ajar", "restir_pg", {"leaves": "Chair"}),
     "neither kept samples nor memory": (
         "cornell_box",
         "restir_pg",
@@ -153,16 +157,9 @@ CASES = {
 
 
 @pytest.fixture(scope="module", params=CASES, ids=lambda name: name.replace(" ", "-"))
-def frames(request, tmp_path_factory):
+def frames(request, embedded):
     name, graph, options = CASES[request.param]
-    return record(load(name, tmp_path_factory), graph_of(graph), splat__cell_size=CELL_SIZE, **options)
-
-
-def load(name, tmp_path_factory):
-    """An embedded scene."""
-    folder = tmp_path_factory.getbasetemp() / "guiding_scenes"
-    subprocess.run([sys.executable, ROOT / "scripts" / "make_scenes.py", name, "--out", folder], check=True)
-    return restirpg.load_scene(folder / f"{name}.glb")
+    return record(restirpg.load_scene(embedded(name)), graph_of(graph), **{"splat__cell_size": CELL_SIZE} | options)
 
 
 def expected_sums(frame):
@@ -235,22 +232,30 @@ def check_fit(frame):
     assert set(guide) == set(expected)
     certain = [key for key in expected if not expected[key].doubtful]
     assert len(certain) >= (1 - FEW) * len(expected)
-    for key in certain:
-        check_cell(guide[key], expected[key])
+    check_cells([guide[key] for key in certain], [expected[key] for key in certain])
 
 
-def check_cell(found, cell):
-    m = oracle.mixture_of(found[0])
-    assert np.allclose(m.kappa, cell.mixture.kappa, rtol=FIT_TOLERANCE, atol=2e-3)
-    assert np.allclose(m.weight, cell.mixture.weight, rtol=FIT_TOLERANCE, atol=1e-6)
-    assert np.isclose(m.weight.sum(), 1, atol=1e-5)
-    assert np.linalg.norm(m.mu - cell.mixture.mu, axis=-1).max() < 2e-4
-    assert abs(oracle.alpha_of(found[0]) - cell.alpha) < 1e-4
-    assert found[0]["age"] == cell.age and np.isclose(found[0]["samples"], cell.samples, rtol=1e-5)
-    if cell.memory is not None:
-        memory = fit_oracle.memory_of(found[1])
-        assert np.allclose(memory[:18], cell.memory[:18], rtol=1e-4, atol=1e-4 * max(cell.memory[17], 1))
-        assert np.allclose(memory[18:], cell.memory[18:], rtol=1e-4, atol=1e-4 * max(np.abs(cell.memory[18:]).max(), 1))
+def check_cells(found, cells):
+    """Records of cells are as expected."""
+    cell = np.array([records[0] for records in found])
+    mixtures = [oracle.mixture_of(record) for record in cell]
+    for name, tolerance in (("kappa", {"atol": 2e-3}), ("weight", {"atol": 1e-6})):
+        values = np.array([getattr(mixture, name) for mixture in mixtures])
+        expected = np.array([getattr(c.mixture, name) for c in cells])
+        assert np.allclose(values, expected, rtol=FIT_TOLERANCE, **tolerance)
+    assert np.allclose(values.sum(-1), 1, atol=1e-5)  # of the weights
+    turns = np.array([mixture.mu - c.mixture.mu for mixture, c in zip(mixtures, cells)])
+    assert np.linalg.norm(turns, axis=-1).max() < 2e-4
+    assert np.abs([oracle.alpha_of(record) - c.alpha for record, c in zip(cell, cells)]).max() < 1e-4
+    assert np.array_equal(cell["age"], [c.age for c in cells])
+    assert np.allclose(cell["samples"], [c.samples for c in cells], rtol=1e-5)
+    if cells[0].memory is not None:
+        memories = np.array([fit_oracle.memory_of(records[1]) for records in found])
+        expected = np.array([c.memory for c in cells])
+        sums, rest = expected[:, :18], expected[:, 18:]
+        assert np.allclose(memories[:, :18], sums, rtol=1e-4, atol=1e-4 * np.maximum(sums[:, 17:], 1))
+        largest = np.abs(rest).max(1, keepdims=True)
+        assert np.allclose(memories[:, 18:], rest, rtol=1e-4, atol=1e-4 * np.maximum(largest, 1))
 
 
 def check_counts_of_the_guide(frame):
@@ -292,6 +297,7 @@ def test_the_frames_show_what_is_tested(frames):
     last = frames[-1].guide
     ages = np.array([records[0]["age"] for records in last[1].values()])
     assert 0 < last[0]["fitted"] < last[0]["cells"] and (ages > 0).any() and frames[-1].before is not None
+    assert frames[-1].before[0]["guiding"] > 0
 
 
 def wrong_kappa(monkeypatch):
@@ -318,40 +324,73 @@ def wrong_normalization(monkeypatch):
 def test_a_mistake_of_the_formulas_is_found(frames, monkeypatch, mutation, check):
     mutation(monkeypatch)
     with pytest.raises(AssertionError):
-        check(replace(frames[-1]))  # a copy has not worked out its sums yet
+        for frame in frames:
+            check(replace(frame))  # a copy has not worked out its sums yet
 
 
-def test_keys_of_the_previous_camera_are_found(tmp_path_factory):
+def missing_keys(frame):
+    """How many keys of the oracle's, by the frame's grid, are not in its table."""
+    return len(set(expected_sums(frame)[1]) - set(frame.statistics[1]))
+
+
+def test_keys_of_the_previous_camera_are_found(embedded):
     knobs = {"splat__cell_size": CELL_SIZE}
-    first, last = record(load("door_ajar", tmp_path_factory), graph_of("restir_pg"), move=0.2, count=2, **knobs)
-    check_keys_and_counts(last)
-    with pytest.raises(AssertionError):
-        check_keys_and_counts(replace(last, statistics=(first.statistics[0], *last.statistics[1:])))
+    door = restirpg.load_scene(embedded("door_ajar"))
+    first, last = record(door, graph_of("restir_pg"), move=0.2, count=2, **knobs)
+    header, table, keys = last.statistics
+    assert missing_keys(last) == 0
+    mistaken = header.copy()
+    for name in GRID:
+        mistaken[name] = first.statistics[0][name]
+    # The grid only moves where cells change their size: 20 of 409 keys.
+    assert missing_keys(replace(last, statistics=(mistaken, table, keys))) > 10
 
 
-def test_parallax_asks_for_samples(tmp_path_factory):
+def test_parallax_asks_for_samples(scene):
     knobs = {"splat__parallax": True, "fit__parallax": True, "fit__decay": 0.9}
     with pytest.raises(restirpg.Error, match="parallax=true needs samples"):
-        record(load("cornell_box", tmp_path_factory), graph_of("restir_pg"), count=1, **knobs)
+        record(scene, graph_of("restir_pg"), count=1, **knobs)
 
 
 @pytest.mark.parametrize("knobs", [{"splat__final_edges": "none"}, {"splat__incident": True}])
-def test_what_is_meant_for_vertices_is_refused_for_samples(tmp_path_factory, knobs):
+def test_what_is_meant_for_vertices_is_refused_for_samples(scene, knobs):
     with pytest.raises(restirpg.Error, match="incident and final_edges are for vertices"):
-        record(load("cornell_box", tmp_path_factory), graph_of("raw_pt_ruppert2020"), count=1, **knobs)
+        record(scene, graph_of("raw_pt_ruppert2020"), count=1, **knobs)
 
 
-def test_light_too_dim_for_the_sums_leaves_no_lobes_that_are_too_light(tmp_path_factory):
+def corner(folder):
+    """A floor and a wall, white, in the open."""
+    scene = SceneFile("corner", 2, environment=(1.0, 1.0, 1.0))
+    white = lambert("White", (0.8, 0.8, 0.8))
+    scene.add("Floor", (shapes.quad((-1, 0, 1), (2, 0, 0), (0, 0, -2)), white))
+    scene.add("Wall", (shapes.quad((-1, 0, -1), (2, 0, 0), (0, 2, 0)), white))
+    scene.add_camera((0.0, 1.0, 3.0), (0.0, 0.5, -0.5), 40.0)
+    return scene.write(folder)
+
+
+def test_light_too_dim_for_the_sums_leaves_no_lobes_that_are_too_light(tmp_path):
     """Weights that do not add up to 1 would be drawn from, but not be in the density: a bias."""
-    load("sky_court", tmp_path_factory)
-    file = tmp_path_factory.getbasetemp() / "guiding_scenes" / "sky_court.glb"
+    file = corner(tmp_path)
     graph = graph_of("raw_pt_ruppert2020")
-    for light in ("1e-9,1e-9,1e-9", "1e-7,1e-7,1e-7", "1,1,1"):
+    for light, guides in (("1e-9,1e-9,1e-9", False), ("1e-7,1e-7,1e-7", True), ("1,1,1", True)):
         renderer = make_renderer(restirpg.load_scene(file, environment=light), graph, seed=7)
+        renderer.set("splat.cell_size", CELL_SIZE)
         for knob in ("cosine", "reseed"):
             renderer.set(f"fit.{knob}", False)
         renderer.render(4)
         cells = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, oracle.MEMORY)[1]
         weights = [oracle.mixture_of(cell).weight.sum() for cell, *_ in cells.values() if cell["samples"] > 0]
+        assert (len(weights) > 5) == guides
         assert np.allclose(weights, 1, atol=1e-3)
-    assert weights
+
+
+@pytest.mark.parametrize("smallest", [1e-5, 1e-4, 1e-3])
+def test_the_middle_of_a_key_is_where_its_points_are(smallest):
+    """Also where the grid has more cells than a key can count, as near a camera in a large scene."""
+    radius = 1000.0
+    camera = np.array([10.0, -20.0, 5.0])
+    grid = oracle.Grid(camera, 0.12, np.full(3, -2 * radius), smallest * radius, radius)
+    points = camera + np.random.default_rng(3).normal(size=(200, 3)) * np.geomspace(0.01, 500, 200)[:, None]
+    keys, _ = grid.keys(points, np.zeros(200, int), np.zeros(200, int))
+    for point, key in zip(points, keys.tolist()):
+        assert np.abs(grid.center(key) - point).max() <= 0.501 * grid.side(level_of(key))

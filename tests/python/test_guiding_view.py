@@ -4,7 +4,10 @@ guides."""
 import guiding_oracle as oracle
 import numpy as np
 import pytest
-from renderer_scenes import ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
+from renderer_scenes import ROOT, make_renderer, restirpg
+
+from restirpg.scenes import shapes
+from restirpg.scenes.gltf import SceneFile, lambert
 
 
 @pytest.fixture(scope="module")
@@ -59,3 +62,20 @@ def test_a_fresh_cell_is_blue(views):
         if int(keys[pixel]) in cells and images["cell"][pixel].any() and cells[int(keys[pixel])][0]["age"] == 0
     ]
     assert len(fresh) > 100 and (images["age"][fresh] == (0, 0, 1)).all()
+
+
+@pytest.mark.parametrize("side", [1.9, 2.3, 3.1])
+def test_a_sheet_through_the_scenes_middle_is_guided(tmp_path, side):
+    """A lookup has the exact place, a sample a packed one: no border of cells may lie between the two."""
+    scene = SceneFile("sheet", 6, environment=(1.0, 1.0, 1.0))
+    for name, z in (("Back", -side / 2), ("Sheet", 0), ("Front", side / 2)):
+        quad = shapes.quad((-side / 2, -side / 2, z), (side, 0, 0), (0, side, 0))
+        scene.add(name, (quad, lambert("White", (0.8, 0.8, 0.8))))
+    scene.add_camera((0, 0, 0.08 * side), (0, 0, 0), 60.0)
+    graph = restirpg.load_graph(ROOT / "graphs" / "restir_pg.py").description
+    inputs = {"surface": {"pass": "gbuffer", "output": "surface"}, "guide": {"pass": "fit", "output": "guide"}}
+    graph["passes"].append({"name": "cell", "type": "GuidingView", "inputs": inputs})
+    graph["outputs"].append({"name": "cell", "pass": "cell", "output": "image"})
+    renderer = make_renderer(restirpg.load_scene(scene.write(tmp_path)), graph)
+    renderer.render(4)
+    assert renderer.output("cell").any(-1).mean() > 0.7

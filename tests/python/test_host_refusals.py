@@ -9,7 +9,7 @@ import threading
 
 import numpy as np
 import pytest
-from renderer_scenes import GRAPH, make_renderer, restirpg, scene, scene_file, write_flying_panel  # noqa: F401
+from renderer_scenes import GRAPH, check_samples, make_renderer, restirpg, write_flying_panel
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +77,7 @@ def test_threads_take_turns(renderer):
         lambda: renderer.set("paths.nee", True),
         lambda: renderer.set("paths.bounces", 8),
         lambda: renderer.memory()["scene"],
-        lambda: np.isfinite(renderer.output("image")).all() if renderer.frame else None,
+        lambda: check_samples(renderer) if renderer.frame else None,
     ]
     threads = [threading.Thread(target=work, args=(action,)) for action in actions]
     for thread in threads:
@@ -90,6 +90,7 @@ def test_threads_take_turns(renderer):
     renderer.cut()
     renderer.render(2)
     assert renderer.frame == 2
+    check_samples(renderer)
 
 
 def test_a_forked_process_is_told_that_it_cannot_render(scene, renderer):
@@ -124,7 +125,7 @@ def test_a_camera_farther_away_than_rendering_reaches_is_refused(renderer):
     assert renderer.camera == pose
     renderer.move_camera(position=(9e14, 0, 9e14), target=(0, 0, 0))
     renderer.render(1)
-    assert np.isfinite(renderer.output("image")).all()
+    check_samples(renderer)
     renderer.move_camera(**pose)
 
 
@@ -280,6 +281,8 @@ def test_ports_are_read_after_a_frame_and_are_those_of_the_last_one(scene):
     renderer = make_renderer(scene, graph, size=(16, 16))
     assert "render at least one frame" in refusal(renderer.read_port, "gbuffer.surface")
     assert "is read by nobody" in refusal(renderer.read_port, "gbuffer.depth")
+    unknown = refusal(renderer.read_port, "gbuffer.dept")
+    assert "has no port 'gbuffer.dept'; ports: " in unknown and unknown.endswith("; did you mean 'gbuffer.depth'?")
     assert "has no port" in refusal(renderer.read_port, "gbuffer")
     renderer.render(1)
     # A port within the frame, read by the pass after it alone: direct.radiance, which the mean of one frame contains.
@@ -333,4 +336,4 @@ def test_nonsense_is_an_exception_and_no_crash(renderer, scene, tmp_path):
     assert renderer.knobs() == knobs and renderer.frame == frame
     renderer.move_camera(**pose)
     renderer.render(1)
-    assert np.isfinite(renderer.output("image")).all()
+    check_samples(renderer)

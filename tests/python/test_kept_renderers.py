@@ -5,7 +5,7 @@ import shutil
 
 import numpy as np
 import pytest
-from renderer_scenes import ROOT, scene_file, write_flying_panel  # noqa: F401
+from renderer_scenes import ROOT, write_flying_panel
 
 from restirpg.harness import Halt, measure, render
 from restirpg.harness.cache import Cache

@@ -6,10 +6,12 @@ Programs run on the fake renderer, whose times are made up: whole tables can be 
 import os
 import random
 import resource
+import shutil
 import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import kills
 import numpy as np
@@ -17,6 +19,7 @@ import pytest
 from harness_runs import (
     ENVIRONMENT,
     ROOT,
+    SCRIPT,
     SLOW,
     SLOW_OPTIONS,
     arguments,
@@ -26,6 +29,7 @@ from harness_runs import (
     write_graph,
 )
 
+from restirpg.harness import workers
 from restirpg.harness.cache import Cache
 from restirpg.harness.jobs import seed_of
 
@@ -88,23 +92,37 @@ def test_a_damaged_result_of_shared_is_not_believed(tmp_path):
     assert cache.load(KEY) is None
 
 
-def test_damaged_results_are_rendered_again(tmp_path):
-    assert compare(tmp_path).returncode == 0
-    before = tables(tmp_path)
-    for path in (tmp_path / "out/cache").glob("*.npz"):
+@pytest.fixture(scope="module")
+def whole_comparison(tmp_path_factory):
+    """The folder of a comparison that was left alone."""
+    folder = tmp_path_factory.mktemp("whole")
+    assert compare(folder).returncode == 0
+    return folder
+
+
+@pytest.fixture
+def whole(whole_comparison, tmp_path):
+    """A copy of it in `tmp_path`, to which anything may be done."""
+    return shutil.copytree(whole_comparison, tmp_path, dirs_exist_ok=True)
+
+
+def test_damaged_results_are_rendered_again(whole):
+    before = tables(whole)
+    for path in (whole / "out/cache").glob("*.npz"):
         path.write_bytes(path.read_bytes()[:-100])
-    run = compare(tmp_path)
+    run = compare(whole)
     assert run.returncode == 0, run.stderr
-    assert run.stderr.count("damaged, it is made again") == len(kept(tmp_path)) == len(run.stderr.splitlines())
-    assert tables(tmp_path) == before
+    assert run.stderr.count("damaged, it is made again") == len(kept(whole)) == len(run.stderr.splitlines())
+    assert tables(whole) == before
 
 
 def test_a_graph_edited_meanwhile_is_rendered_as_it_was_at_the_start(tmp_path):
     """A run that kills its worker makes the next one begin with nothing but the job."""
     methods = ["plain.json@sleep=0.02", f"plain.json@sleep=0.02,crash_seed={seed_of(0, 'run', 0)},label=crash"]
     assert compare(tmp_path, *methods, out="whole", **SLOW_OPTIONS).returncode == 1
-    with under_way(tmp_path, *methods) as process:
+    with under_way(tmp_path, *methods) as (process, go_on):
         write_graph(tmp_path, noise=0, gain=3)
+        go_on()
         process.communicate()
     assert process.returncode == 1 and tables(tmp_path) == tables(tmp_path, "whole")
 
@@ -113,8 +131,9 @@ def test_code_edited_meanwhile_ends_the_program(tmp_path):
     shader = tmp_path / "shaders/a.glsl"
     shader.parent.mkdir()
     shader.write_text("a")
-    with under_way(tmp_path, *SLOW, environment={"RESTIRPG_SHADERS": str(shader.parent)}) as process:
+    with under_way(tmp_path, *SLOW, environment={"RESTIRPG_SHADERS": str(shader.parent)}) as (process, go_on):
         shader.write_text("b")
+        go_on()
         (line,) = process.communicate()[1].splitlines()
     assert process.returncode == 2 and "own files have changed since the start" in line
 
@@ -142,9 +161,10 @@ def undisturbed(tmp_path_factory):
     [(signal.SIGKILL, -signal.SIGKILL, None), (signal.SIGINT, 130, "SIGINT"), (signal.SIGTERM, 143, "SIGTERM")],
 )
 def test_an_interrupted_comparison_goes_on_to_the_same_tables(tmp_path, undisturbed, sent, code, word):
-    with under_way(tmp_path, *SLOW) as process:
-        # Ctrl-C and SIGTERM reach the whole group; SIGKILL is meant for the program alone.
+    with under_way(tmp_path, *SLOW) as (process, go_on):
+        # Ctrl-C and SIGTERM reach the whole group; SIGKILL is meant for the program alone, whose workers end by themselves.
         os.kill(process.pid, sent) if sent == signal.SIGKILL else os.killpg(process.pid, sent)
+        go_on()
         said = process.communicate()[1].strip()
     assert process.returncode == code
     if word:
@@ -160,7 +180,7 @@ def test_kills_at_any_moment_change_no_number(tmp_path, monkeypatch):
     """A small benchmarks/kills.py."""
 
     def command(folder):
-        return arguments(tmp_path, *SLOW, out=folder, **SLOW_OPTIONS)
+        return arguments(tmp_path, *SLOW, program=SCRIPT, out=folder, **SLOW_OPTIONS)
 
     environment = {**ENVIRONMENT, "PWD": str(tmp_path)}
     monkeypatch.chdir(tmp_path)
@@ -171,17 +191,31 @@ def test_kills_at_any_moment_change_no_number(tmp_path, monkeypatch):
 
 
 def test_different_numbers_after_a_kill_are_told(tmp_path):
-    """The injected error: a program whose every start counts."""
-    script = "import sys, time; open(sys.argv[1] + '/starts', 'a').write('x'); time.sleep(1)"
+    """The injected error: a program whose every start counts. It is killed half way."""
+    script = "import sys, time; open(sys.argv[1] + '/starts', 'a').write('x'); time.sleep(0.6)"
     outcome = kills.torture(
         lambda folder: [sys.executable, "-c", script, str(folder)],
         tmp_path,
         1,
-        random.Random(2),
+        SimpleNamespace(uniform=lambda low, high: (low + high) / 2),
         lambda folder: {"starts": (folder / "starts").read_text()},
         lambda folder: None,
     )
     assert outcome.wrong == ["round 1: starts differ"]
+
+
+def test_what_a_kill_left_unfinished_is_told(tmp_path):
+    for name in ("a.exr", ".restirpg-host-7-0.tmp", "images/.b.png.host.7.part"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).touch()
+    assert kills.unfinished_in(tmp_path) == [".b.png.host.7.part", ".restirpg-host-7-0.tmp"]
+
+
+def test_a_table_that_cannot_be_written_is_told_before_the_first_kill(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(kills, "torture", lambda *_: pytest.fail("it has begun"))
+    (tmp_path / "file").touch()
+    assert kills.main(["--markdown", str(tmp_path / "file/table.md")]) == 2
+    assert "choose another folder with --markdown" in capsys.readouterr().err
 
 
 def test_without_a_cache_it_goes_on(tmp_path):
@@ -205,29 +239,44 @@ def limited(folder, size, **options):
     )
 
 
-def test_on_a_full_disk_nothing_is_half_written(tmp_path):
-    assert "npz: cannot be written" in one_line(limited(tmp_path, 1000))
-    assert not kept(tmp_path)
-    assert compare(tmp_path).returncode == 0
-    report = (tmp_path / "out/report.html").read_bytes()
-    assert "report.html: cannot be written" in one_line(limited(tmp_path, len(report) // 2))
-    assert (tmp_path / "out/report.html").read_bytes() == report
-    assert not list((tmp_path / "out").rglob("*.part"))
+def test_on_a_full_disk_nothing_is_half_written(whole):
+    assert "npz: cannot be written" in one_line(limited(whole, 1000, out="new"))
+    assert not kept(whole, "new")
+    report = (whole / "out/report.html").read_bytes()
+    assert "report.html: cannot be written" in one_line(limited(whole, len(report) // 2))
+    assert (whole / "out/report.html").read_bytes() == report
+    assert not list(whole.rglob("*.part"))
 
 
-def test_what_a_killed_program_was_writing_is_removed(tmp_path):
-    assert compare(tmp_path, seeds=1).returncode == 0
+def test_what_a_killed_program_was_writing_is_removed(whole):
     host, ended = os.uname().nodename, subprocess.Popen(["true"])
     ended.wait()
     stale = [
-        tmp_path / f"out/.report.html.{host}.{ended.pid}.part",
-        tmp_path / f"out/cache/.{KEY}.npz.{host}.{ended.pid}.part",
+        whole / f"out/.report.html.{host}.{ended.pid}.part",
+        whole / f"out/cache/.{KEY}.npz.{host}.{ended.pid}.part",
     ]
-    alive = tmp_path / f"out/.report.html.{host}.{os.getpid()}.part"
+    alive = whole / f"out/.report.html.{host}.{os.getpid()}.part"
     for path in (*stale, alive):
         path.touch()
-    assert compare(tmp_path, seeds=1).returncode == 0
+    assert compare(whole).returncode == 0
     assert [path.exists() for path in (*stale, alive)] == [False, False, True]
+
+
+def test_a_worker_that_ends_before_it_has_a_log_is_told(tmp_path):
+    worker = workers._Process(tmp_path, 1, 1)
+    os.kill(worker.process.pid, signal.SIGKILL)
+    assert worker.cause_of_death() == f"the worker ended by SIGKILL; the last line of {worker.log.name}: none"
+
+
+def test_programs_that_share_a_cache_have_logs_of_their_own(tmp_path):
+    ended = subprocess.Popen(["true"])
+    ended.wait()
+    other = tmp_path / f"worker-{os.getppid()}-1.log"
+    for log in (other, tmp_path / f"worker-{ended.pid}-1.log", tmp_path / "worker-1.log"):
+        log.touch()
+    with workers.Pool(tmp_path, 1) as pool:
+        own = pool._start().log
+    assert own not in (other, tmp_path / "worker-1.log") and set(tmp_path.iterdir()) - {own} == {other}
 
 
 @pytest.mark.parametrize(

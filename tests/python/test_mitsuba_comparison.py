@@ -1,8 +1,13 @@
 """The comparison with Mitsuba on runs whose truth is known; Mitsuba itself is not needed."""
 
+from pathlib import Path
+from types import SimpleNamespace
+
+import image_means
 import numpy as np
 import pytest
 from compare_with_mitsuba import compare, decode_rgbe
+from finished_rows import append_row, read_rows
 from gltf_edits import environment_for_mitsuba
 
 from restirpg.scenes.images import encode_hdr
@@ -57,3 +62,37 @@ def test_environments_survive_their_file_and_keep_their_function_for_mitsuba():
     rows = np.roll(environment_for_mitsuba(image), -8, axis=1)
     np.testing.assert_allclose(rows[1::2], image, rtol=1e-6)
     np.testing.assert_allclose(rows[2:-2:2], (image[1:] + image[:-1]) / 2, rtol=1e-6)
+
+
+def test_a_run_under_another_environment_or_back_end_is_not_finished(tmp_path):
+    """The file is from before both were noted."""
+    file, room = tmp_path / "means.csv", Path("room.glb")
+    file.write_text(
+        "scene,renderer,seed,width,height,bounces,samples,r,g,b,seconds\n"
+        "room,ours,1,64,36,4,256,1,1,1,9\nroom,mitsuba,1,64,36,4,256,1,1,1,9\n"
+    )
+
+    def finished(renderer, **changes):
+        plain = {"environment": None, "backend": None, "size": (64, 36), "bounces": 4, "frames": 256, "samples": 256}
+        return image_means.is_finished(room, renderer, 1, SimpleNamespace(csv=file, **{**plain, **changes}))
+
+    for _ in range(2):
+        assert finished("ours") and finished("mitsuba") and finished("mitsuba", backend="software")
+        assert not finished("ours", backend="software") and not finished("ours", environment="1,1,1")
+        assert not finished("mitsuba", environment="1,1,1")
+        append_row(file, image_means.COLUMNS, ("room", "ours", 2, 64, 36, 4, 256, "", "", 1, 1, 1, 9))  # written anew
+
+
+def test_means_under_two_environments_are_two_rows(tmp_path, capsys):
+    file = tmp_path / "means.csv"
+    for environment, brightness in (("", 1), ("2,2,2", 2)):
+        for renderer in ("ours", "mitsuba"):
+            for seed in (1, 2):
+                mean = 3 * (brightness + 0.01 * seed,)
+                append_row(
+                    file, image_means.COLUMNS, ("room", renderer, seed, 64, 36, 4, 16, environment, "", *mean, 9)
+                )
+    image_means.print_table(read_rows(file))
+    rows = capsys.readouterr().out.splitlines()[2:]
+    assert [row.split(" | ")[0] for row in rows] == ["| room", "| room, 2,2,2"]
+    assert " | 1.01500 +- " in rows[0] and " | 2.01500 +- " in rows[1]

@@ -1,9 +1,10 @@
 """Every mistake of tests/mutants applies to the sources, says what it breaks, and has a test that must find it."""
 
+import ast
 import re
 
 import pytest
-from mutants import PATCHES, patched_sources
+from mutants import PATCHES, mutant_folder, patched_sources
 from renderer_scenes import ROOT
 
 NAMES = sorted(patch.stem for patch in PATCHES.glob("*.patch"))
@@ -14,6 +15,13 @@ def table():
     section = (ROOT / "tests/README.md").read_text().partition("## Mistakes that are found")[2]
     rows = [line.split("|")[1:3] for line in section.splitlines() if line.startswith("| `")]
     return [(re.findall(r"`(\w+)`", mutants), re.findall(r"`(\w+)::(\w+)`", tests)) for mutants, tests in rows]
+
+
+def source_of(file, function):
+    """The text of a test with what it is parametrized by."""
+    text = (ROOT / f"tests/python/{file}.py").read_text()
+    [own] = [node for node in ast.parse(text).body if getattr(node, "name", None) == function]
+    return "\n".join(ast.get_source_segment(text, node) for node in (*own.decorator_list, own))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -36,12 +44,24 @@ def test_a_patch_that_no_longer_applies_fails_with_a_line(tmp_path):
         patched_sources(patch, tmp_path / "copies")
 
 
+@pytest.mark.parametrize(
+    ("name", "including", "plugins"),
+    [
+        ("reuse_sharp_density", ["ShiftProbe"], {"PathTracerGuided", "ShiftProbe"}),
+        ("reuse_mis", ["ReSTIRReuse"], {"ReSTIRReuse"}),
+        ("reuse_visibility", [], set()),  # in the shader library, which all plug-ins include
+    ],
+)
+def test_every_plugin_whose_sources_are_patched_is_copied(name, including, plugins):
+    found = (mutant_folder(name, *including) / "plugins").glob("*.so")
+    assert {file.stem.removeprefix("restirpg-pass-") for file in found} == plugins
+
+
 def test_the_table_names_every_mutant_and_a_test_that_uses_it():
     rows = table()
     assert sorted(name for names, _ in rows for name in names) == NAMES
     for names, tests in rows:
         assert tests
         for file, function in tests:
-            text = (ROOT / f"tests/python/{file}.py").read_text()
-            assert f"def {function}(" in text
-            assert all(f'"{name}"' in text for name in names)
+            text = source_of(file, function)
+            assert all(f'"{name}"' in text for name in names), (names, function)

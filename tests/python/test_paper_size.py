@@ -7,13 +7,17 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import paper_figure
 import pytest
+from harness_runs import ENVIRONMENT, changed, csv_rows, write_graph
 
 import restirpg
+from restirpg.harness import UserError, compare
+from restirpg.harness.paper import full_size
 
 ROOT = Path(__file__).parents[2]
 COLUMNS = ("scene", "method", "tiles", "frames", "mape", "mape_se", "mape_reference_se", "change", "change_se",
-           "change_reference_se", "p", "gpu_ms", "wall_ms")  # fmt: skip
+           "change_reference_se", "p", "gpu_ms_per_frame", "wall_ms_per_frame")  # fmt: skip
 ROWS = {
     "restir_pt": (0.30, 0.01, 0.002, 0, 0, 0, "nan", 9000, 9100),
     "restir_pg": (0.27, 0.01, 0.002, -0.1, 0.01, 0.004, 1e-6, 11000, 11100),
@@ -52,16 +56,42 @@ def test_the_table_says_plainly_who_errs_least(recorded, tmp_path):
         "restir_pg errs 10.0% less than restir_pt; raw_pt_ruppert2020 errs 13.3% less than restir_pt, which is not significant."
         in text
     )
+    found = csv_rows(tmp_path / "results/summary.csv")
+    assert [(row["scene"], row["method"]) for row in found] == [("room", method) for method in ROWS]
+
+
+def test_a_standard_error_that_is_not_known_is_a_dash(recorded, tmp_path):
+    table = recorded / "room/tiles.csv"
+    table.write_text(table.read_text().replace(",0.002,", ",nan,").replace(",0.004,", ",nan,"))
+    done = run("--collect", recorded, "--results", tmp_path / "results")
+    assert done.returncode == 0, done.stderr
+    text = (tmp_path / "results/tables.md").read_text()
+    assert "| room | restir_pg | 27.00 ± 1.00 ± —% | -10.00 ± 1.00 ± —% | 1e-06 | 11.0 |" in text and "nan" not in text
+
+
+def test_scenes_whose_times_have_their_older_names_are_collected_with_the_others(recorded, tmp_path):
+    older = recorded / "older"
+    older.mkdir()
+    text = (recorded / "room/tiles.csv").read_text().replace("_ms_per_frame", "_ms")
+    (older / "tiles.csv").write_text(text.replace("room.glb", "older.glb"))
+    done = run("--collect", recorded, "--results", tmp_path / "results")
+    assert done.returncode == 0, done.stderr
     with open(tmp_path / "results/summary.csv", newline="") as stream:
-        assert [(row["scene"], row["method"]) for row in csv.DictReader(stream)] == [
-            ("room", method) for method in ROWS
-        ]
+        found = list(csv.DictReader(stream))
+    assert {row["scene"]: float(row["gpu_ms_per_frame"]) for row in found} == {"room": 12000, "older": 12000}
+    assert "gpu_ms" not in found[0]
 
 
 def test_what_it_cannot_do_is_said_in_a_line(tmp_path):
-    twice = ("room.glb@64x64", "room.glb@32x32")
+    room = tmp_path / "room.glb"
+    room.touch()
+    twice = (f"{room}@64x64", f"{room}@32x32")
     for arguments, words in (
         ((), "no scene given"),
+        ((room, "absent.glb"), "absent.glb: no such scene"),
+        (("--list", "absent.glb"), "absent.glb: no such scene"),
+        ((room, "--results", tmp_path), "--results is where --collect writes"),
+        (("--collect", tmp_path, room), "leave out --list and the scenes"),
         (("--collect", tmp_path), "no scene is finished there"),
         ((*twice, "--out", tmp_path), "two scenes would be called 'room'"),
     ):
@@ -69,13 +99,97 @@ def test_what_it_cannot_do_is_said_in_a_line(tmp_path):
         assert done.returncode == 2 and words in done.stderr and done.stderr.count("\n") == 1
 
 
-def test_the_hours_of_each_scene_are_told():
-    done = run("--list", "veach_ajar.glb", "hall.glb@960x540")
+@pytest.fixture
+def hours(tmp_path):
+    """What --list says with these arguments: {scene: (hours at least, at most)}."""
+    rooms = [tmp_path / "veach_ajar.glb", tmp_path / "hall.glb"]
+    for room in rooms:
+        room.touch()
+
+    def told(*arguments):
+        done = run("--list", *arguments, rooms[0], f"{rooms[1]}@960x540")
+        assert done.returncode == 0, done.stderr
+        lines = (re.match(r"(\S+) +\S+  (\S+) to (\S+) hours, ", text) for text in done.stdout.splitlines())
+        return {line[1]: (float(line[2]), float(line[3])) for line in lines}
+
+    return told
+
+
+def test_the_hours_of_each_scene_are_told(hours):
+    found = hours("--bounces", 4)
+    assert list(found) == ["veach_ajar", "hall"]
+    low, high = found["veach_ajar"]
+    assert 2 < low / found["hall"][0] < 4 and 0.3 < low < high < 3
+
+
+def test_the_hours_are_those_of_the_options(hours):
+    plain, longer = hours(), hours("--reference-frames", 102400, "--tiles", 32)
+    assert longer["hall"][1] > 10 * plain["hall"][1]
+    assert hours("--seeds", 4)["veach_ajar"][1] > 3 * plain["veach_ajar"][1]
+
+
+def test_help_has_the_defaults_of_the_program_that_is_asked():
+    own, of_compare = (
+        " ".join(subprocess.run([sys.executable, *command, "--help"], capture_output=True, text=True).stdout.split())
+        for command in ([ROOT / "scripts/reproduce.py", "--paper-size"], [ROOT / "scripts/compare.py"])
+    )
+    for words, others in (
+        ("pixels (1920x1080)", "pixels (160x90)"),
+        ("frames of a run (the last of --at)", "frames of a run (32, or the last of --at)"),
+        ("in place of the mean of all frames (11,12,13,14,15,16,17,18,19,20)", "in place of the mean of all frames --"),
+        ("with --at (64)", "with --at --"),
+        ("over all its batches (1024)", "over all its batches (32 times --frames)"),
+    ):
+        assert words in own and others in of_compare, (words, own)
+
+
+def test_an_option_that_there_is_not_is_refused(tmp_path):
+    done = run("--list", "--nonsense", "room.glb")
+    assert done.returncode == 2 and done.stdout == "" and "--nonsense" in done.stderr
+
+
+@pytest.mark.parametrize("arguments, refused", [([], None), (["--reference-batches", "4"], "--reference-batches")])
+def test_a_reference_that_is_given_is_not_one_that_is_rendered(tmp_path, arguments, refused):
+    """The program has defaults of its own of how one is rendered."""
+    options = full_size.parse([*arguments, "--reference", "truth.exr", "room.glb"])
+    if not refused:
+        compare.refuse_ignored(options, full_size.parse([]))
+        return
+    with pytest.raises(UserError, match=f"leave out {refused}$"):
+        compare.refuse_ignored(options, full_size.parse([]))
+
+
+def test_each_scene_is_compared_with_what_the_command_line_says(tmp_path, monkeypatch):
+    asked = []
+    monkeypatch.setattr(full_size.compare, "run", lambda *arguments: asked.append(arguments) or 0)
+    room = tmp_path / "room.glb"
+    room.touch()
+    assert full_size.main(["--bounces", "4", "--device", "D", f"{room}@32x24", "--tiles", "8", "--out", "o"]) == 0
+    [(options, name, _)] = asked
+    settings = compare.settings_from(options)
+    assert name == "reproduce.py" and settings.scenes == (str(room),) and settings.size == (32, 24)
+    assert (settings.bounces, settings.tiles, settings.seeds, settings.at) == (4, 8, 1, tuple(range(11, 21)))
+    assert {method.device for method in settings.methods} == {"D"} and len(settings.methods) == len(full_size.GRAPHS)
+    assert (options.out, options.cache) == ("o/room", "o/cache")
+
+
+#: The program with graphs of the fake renderer.
+ON_THE_FAKE_RENDERER = """
+from restirpg.harness.paper import full_size
+full_size.graph_file = lambda name: "plain.json"
+sys.exit(commands.reproduce())
+"""
+
+
+def test_the_report_says_by_which_command_it_was_made(tmp_path):
+    write_graph(tmp_path)
+    (tmp_path / "room.gltf").touch()
+    command = [*changed(ON_THE_FAKE_RENDERER), "--paper-size", "room.gltf", "--size", "32x24", "--at", "2,3"]
+    command += ["--tiles", "4", "--tile-size", "8", "--reference-graph", "plain.json", "--reference-frames", "32"]
+    done = subprocess.run([*command, "--out", "out"], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    line = re.compile(r"(\S+) +\S+  (\S+) to (\S+) hours, ")
-    (room, low, high), (hall, small, _) = (line.match(text).groups() for text in done.stdout.splitlines())
-    assert (room, hall) == ("veach_ajar", "hall")
-    assert 2 < float(low) / float(small) < 4 and 0.3 < float(low) < float(high) < 3
+    text = (tmp_path / "out/room/report.html").read_text()
+    assert "<td>scripts/reproduce.py --paper-size room.gltf --size 32x24 " in text
 
 
 def figure(recorded, *arguments, crop="4,4"):
@@ -85,6 +199,12 @@ def figure(recorded, *arguments, crop="4,4"):
     return subprocess.run(list(map(str, command)), capture_output=True, text=True)
 
 
+def test_the_figure_s_command_is_as_its_help_says():
+    command = paper_figure.__doc__.split("\n\n")[1].replace("X,Y", "0,0").replace("N ", "4 ")
+    options = paper_figure.parse(re.sub(r"\[.*?\]", "", command).split()[1:])
+    assert (options.scene, options.bounces, len(options.crop)) == ("SCENE.glb", 4, 2)
+
+
 def test_a_figure_that_cannot_be_drawn_is_one_line(recorded):
     images = recorded / "room/images"
     images.mkdir()
@@ -92,6 +212,8 @@ def test_a_figure_that_cannot_be_drawn_is_one_line(recorded):
         restirpg.write_exr(images / f"room.{method}.whole.exr", {"": np.ones((9, 16, 3), np.float32)})
     beyond = figure(recorded, crop="4,6")
     assert "--crop 4,6: 4x4 pixels from there reach beyond the picture of 16x9" in beyond.stderr
+    third = figure(recorded, "--crop", "1,1")
+    assert "the figure has two crops, not 3" in third.stderr
     scene = figure(recorded)
     assert "room.glb" in scene.stderr
     table = recorded / "room/tiles.csv"
@@ -99,5 +221,7 @@ def test_a_figure_that_cannot_be_drawn_is_one_line(recorded):
     other = figure(recorded)
     assert "tiles.csv: no row is of restir_pg" in other.stderr
     table.unlink()
-    for done in (beyond, scene, other, figure(recorded)):
+    absent = figure(recorded)
+    assert "tiles.csv: cannot be read: No such file or directory; name the folder of a scene" in absent.stderr
+    for done in (beyond, third, scene, other, absent):
         assert done.returncode == 2 and done.stderr.count("\n") == 1, done.stderr

@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 import pytest
-from renderer_scenes import GRAPH, ROOT, make_renderer, restirpg, scene, scene_file  # noqa: F401
+from renderer_scenes import ROOT, make_renderer, restirpg
 
 from restirpg.harness.render import native_file
 

@@ -1,6 +1,7 @@
-"""Where rays start: panes far from the origin and small ones, large tilted surfaces, walls that touch the floor.
+"""Where rays start: panes far from the origin and small ones, large tilted surfaces, walls that touch the floor, tubes of
+long thin triangles, the largest scenes.
 
-RUNS independent runs of FRAMES frames, 16 x 16, seeds fixed; 4 standard errors are a false alarm of 0.3% a case. The
+RUNS independent runs of FRAMES frames, 16 x 16, seeds fixed; 4 standard errors are a false alarm of 0.5% a case. The
 rays themselves are tested by tests/trace/clearance_test.
 """
 
@@ -9,7 +10,7 @@ import math
 import numpy as np
 import pytest
 from furnace_scenes import run_means, standard_errors_off
-from renderer_scenes import ROOT, make_renderer, restirpg
+from renderer_scenes import ROOT, check_samples, make_renderer, restirpg
 
 from restirpg.scenes import shapes
 from restirpg.scenes.gltf import SceneFile, emitter, glass, lambert
@@ -52,9 +53,47 @@ def test_a_large_slope_does_not_shadow_itself(tmp_path, graph):
         restirpg.load_scene(slope(tmp_path, 37)), restirpg.load_graph(ROOT / "graphs" / f"{graph}.py"), size=(16, 16)
     )
     renderer.render(RUNS * FRAMES)
+    check_samples(renderer)
     image = renderer.output("image")
     assert image.mean() == pytest.approx(0.5, rel=0.01)
     assert image.min() > 0.3  # no pixel is black
+
+
+@pytest.mark.parametrize("graph", ["path_tracer", "restir_di"])
+def test_no_light_enters_a_closed_tube(tmp_path, graph):
+    """Triangles of 20 m by 2.5 mm, closed at both ends, under an even sky: rays start inside, not a width away."""
+    scene = SceneFile("tube", 0, environment=(1.0, 1.0, 1.0))
+    tube = shapes.tube(np.array([(-10.0, 0.0, 0.0), (10.0, 0.0, 0.0)]), 0.025, 64)
+    scene.add("Tube", (tube, lambert("Tube", (0.5, 0.5, 0.5), double_sided=True)))
+    scene.add_camera((0, 0, 0), (0.05, 0.025, 0.01), 60.0)
+    renderer = make_renderer(
+        restirpg.load_scene(scene.write(tmp_path)), restirpg.load_graph(ROOT / "graphs" / f"{graph}.py"), size=(16, 16)
+    )
+    renderer.render(FRAMES)
+    check_samples(renderer)
+    assert renderer.output("image").max() == 0
+
+
+@pytest.mark.parametrize("graph", ["path_tracer", "restir_di"])
+@pytest.mark.parametrize("half", [6.8e8, 1e-3])
+def test_the_largest_scene_is_lit_as_a_small_one(tmp_path, graph, half):
+    """The middle of a floor below a lamp of its size; the larger scene is close to what the reader accepts."""
+    scene = SceneFile("large", 0)
+    scene.add("Floor", (shapes.quad((-1, -1, 0), (2, 0, 0), (0, 2, 0)).scaled(half), lambert("Floor", (0.5, 0.5, 0.5))))
+    lamp = shapes.quad((-1, -1, 0.5), (0, 2, 0), (2, 0, 0)).scaled(half)
+    scene.add("Lamp", (lamp, emitter("Lamp", (1.0, 1.0, 1.0))))
+    scene.add_camera((0, 0, 0.45 * half), (0, 0, 0), 2.0, up=(0, 1, 0))
+    renderer = make_renderer(
+        restirpg.load_scene(scene.write(tmp_path)),
+        restirpg.load_graph(ROOT / "graphs" / f"{graph}.py"),
+        size=(16, 16),
+        bounces=0,
+    )
+    renderer.render(RUNS * FRAMES)
+    check_samples(renderer)
+    # The share of the hemisphere that a square takes, seen from a quarter of its side.
+    share = 4 / math.pi * 2 / math.sqrt(5) * math.atan(2 / math.sqrt(5))
+    assert renderer.output("image").mean() == pytest.approx(0.5 * share, rel=0.01)
 
 
 @pytest.mark.parametrize("slabs", [2, 3])
@@ -93,6 +132,7 @@ def behind_a_sheet(folder, distance):
     )
     renderer = make_renderer(restirpg.load_scene(scene.write(folder)), size=(16, 16))
     renderer.render(1)
+    check_samples(renderer)
     return renderer.output("image").mean()
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from renderer_scenes import ROOT
 
+import restirpg
 from restirpg import records
 from restirpg.harness.guiding import Grid
 
@@ -71,6 +72,45 @@ def test_every_record_lies_as_kernels_read_it(tmp_path):
 def test_constants_are_those_of_the_headers():
     assert records.constant("GUIDING_LOBES") == 4 and records.constant("VERTEX_LIGHT_SAMPLED") == 1 << 17
     assert records.constant("VERTEX_MATERIAL_MASK") == 0xFFFF
+
+
+def test_constants_of_sums_and_of_one_line_are_read():
+    rows, columns = records.constant("ENERGY_ROWS"), records.constant("ENERGY_COLUMNS")
+    assert records.constant("ENERGY_TABLE") == 2 * rows * (columns + 1)
+    assert records.constant("MAP_METALLIC_ROUGHNESS") == 1
+
+
+@pytest.mark.parametrize(
+    "read, name, words",
+    [
+        (records.record, "PathReservior", "no record 'PathReservior'; there are: .*; did you mean 'PathReservoir'?"),
+        (records.constant, "GUIDING_LOBE", "no constant 'GUIDING_LOBE'; there are: .*; did you mean 'GUIDING_LOBES'?"),
+    ],
+)
+def test_a_name_that_there_is_not_is_refused_with_those_that_there_are(read, name, words):
+    with pytest.raises(restirpg.WrongValueError, match=re.escape(words).replace(r"\.\*", ".*")):
+        read(name)
+
+
+HEADER = """RESTIRPG_CONST OWN_SIDE = 3u;
+struct OwnPart { float weight; };
+struct OwnRecord {
+    OwnPart parts[OWN_SIDE];  ///< as many
+    uint count;
+};
+struct OddRecord {
+    uint a, b;
+};
+"""
+
+
+def test_records_of_a_pass_out_of_tree_are_found(tmp_path, monkeypatch):
+    (tmp_path / "Shared.h").write_text(HEADER)
+    monkeypatch.setattr(restirpg, "code_paths", lambda: [tmp_path / "restirpg-pass-Own.so", tmp_path], raising=False)
+    dtype = records.record("OwnRecord")
+    assert dtype["parts"].shape == (3,) and dtype.itemsize == 16
+    with pytest.raises(restirpg.WrongValueError, match="record 'OddRecord': 'uint a, b' is not TYPE MEMBER"):
+        records.record("OddRecord")
 
 
 def test_keys_of_the_guide_are_laid_out_as_the_header_says():

@@ -7,19 +7,18 @@ few samples a cell learns from what it has carried. Variant P's contribution wei
 that reads the numbers, because it was fitted to those very numbers; with a guide that has stopped learning they
 do not.
 
-Null hypothesis: direct light of the Cornell box has the mean of the same pass unguided and without history. The
-mean over the last frames of each of RUNS independent runs is one sample; |z| < 4 has a false-alarm rate of 6 x
-10^-5 a test for normal noise.
+Null hypothesis: direct light of the Cornell box has the mean of the same pass unguided and without history, by Welch's
+test (means.py). The mean over the frames of each of RUNS independent runs is one sample.
 """
 
 import guiding_oracle as oracle
 import pytest
-from renderer_scenes import own_plugins, scene, scene_file  # noqa: F401
-from test_guided_restir import run_means
-from test_restir_pt import z_of
+from indirect_light import run_means
+from means import FALSE_ALARM, compared
 
 FRAMES = 24
 RUNS = 48
+SIZE = (24, 24)
 CELLS = 4096
 
 pytestmark = pytest.mark.usefixtures("own_plugins")
@@ -44,7 +43,10 @@ def one_bounce(mode=None, replay=False, cap=8):
         entry("bounce", "ReplayReuse", {"replay": replay, "cap": cap}, surface=wire("gbuffer.surface"), **history),
         entry("accumulate", "Accumulate", indirect=wire("bounce.radiance"), history=wire("accumulate.sums", True)),
     ]
-    outputs = [{"name": "image", "pass": "accumulate", "output": "mean"}]
+    outputs = [
+        {"name": "image", "pass": "accumulate", "output": "mean"},
+        {"name": "invalid", "pass": "accumulate", "output": "invalid"},
+    ]
     if mode:
         passes += [
             entry(
@@ -75,27 +77,25 @@ def one_bounce(mode=None, replay=False, cap=8):
 
 @pytest.fixture(scope="module")
 def reference(scene):
-    return run_means(scene, one_bounce(), 400, 100, 16)[0]
+    return run_means(scene, one_bounce(), 200, 100, 32, SIZE)[0]
 
 
-def guided_z(scene, reference, first_seed, **how):
-    """z of the guided runs' mean; most cells guide, and none has many samples."""
-    means, renderer = run_means(scene, one_bounce(**how), FRAMES, first_seed, RUNS)
+def guided(scene, reference, runs=RUNS, **how):
+    """The Test of the guided runs' mean; most cells guide, and none has many samples."""
+    means, renderer = run_means(scene, one_bounce(**how), FRAMES, 9000, runs, SIZE)
     header = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, oracle.MEMORY)[0]
     samples = header["samples"] / header["cells"]
-    print(
-        f"{how}: {header['cells']} cells, {header['guiding']} guide, {samples:.1f} samples a cell and frame; "
-        f"{means.mean() / reference.mean():.4f} of the reference"
-    )
+    print(f"{how}: {header['cells']} cells, {header['guiding']} guide, {samples:.1f} samples a cell and frame")
     assert header["guiding"] > 0.5 * header["cells"]
     assert samples < 32
-    return z_of(means, reference)
+    return compared(means, reference)
 
 
 @pytest.mark.parametrize(("mode", "replay"), [("live", False), ("frozen", False), ("frozen", True)])
 def test_copied_directions_and_a_guide_that_learns_nothing_keep_the_mean(scene, reference, mode, replay):
-    assert abs(guided_z(scene, reference, 9000, mode=mode, replay=replay)) < 4
+    assert guided(scene, reference, mode=mode, replay=replay).p > FALSE_ALARM
 
 
 def test_replaying_numbers_through_a_guide_that_learnt_from_them_is_biased(scene, reference):
-    assert abs(guided_z(scene, reference, 9000, mode="live", replay=True)) > 6
+    test = guided(scene, reference, RUNS // 3, mode="live", replay=True)
+    assert test.p < FALSE_ALARM and test.difference < -0.2

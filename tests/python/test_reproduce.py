@@ -4,7 +4,6 @@ The small evaluation is 16x9, 2 frames, 2 seeds of the Cornell box: that its fil
 together is tested, not its numbers. Those are tested in test_reproduced_sections.
 """
 
-import csv
 import json
 import shutil
 import subprocess
@@ -16,6 +15,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from harness_runs import csv_rows
 from renderer_scenes import ROOT, write_flying_panel, write_outside
 from webdriver import Browser
 
@@ -39,12 +39,6 @@ def reproduce(folder, *arguments):
     """Run it to its end; a CompletedProcess with text output."""
     command = [sys.executable, ROOT / "scripts" / "reproduce.py", *arguments, "--out", folder / "out"]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-
-
-def read(file):
-    """A CSV file's rows."""
-    with open(file) as stream:
-        return list(csv.DictReader(stream))
 
 
 #: One variant of a knob, and of other graphs: to make a renderer for each is what takes the time.
@@ -86,6 +80,7 @@ def test_every_experiment_leaves_its_figure_and_its_numbers(everything):
         assert f'id="{name}"' in text
     for method in METHODS:
         assert (everything / "figure_5" / f"cornell_box.{method.label.replace(' ', '_')}.exr").is_file()
+    assert text.count("scenes of its study, a family of its own (Holm)") == 6  # figures 5 to 8, and two sequences
     assert "http:" not in text.replace("http://www.w3.org", "") and "https:" not in text
 
 
@@ -109,12 +104,12 @@ def test_the_report_opens_and_its_folded_viewers_draw(everything):
 
 def test_a_table_has_the_numbers_of_the_runs_beside_it(everything):
     """figure_5.csv against runs.csv, which the harness writes by seed and frame."""
-    runs = read(everything / "figure_5" / "runs.csv")
-    for row in read(everything / "figure_5.csv"):
+    runs = csv_rows(everything / "figure_5" / "runs.csv")
+    for row in csv_rows(everything / "figure_5.csv"):
         last = [float(run["mape"]) for run in runs if run["method"] == row["method"] and run["frame"] == "2"]
         assert float(row["MAPE, mean of all frames"]) == pytest.approx(np.mean(last), rel=1e-6)
         assert float(row["MAPE, mean of all frames (se)"]) == pytest.approx(np.std(last, ddof=1) / 2**0.5, rel=1e-6)
-    assert {row["method"] for row in read(everything / "figure_5.csv")} == {method.label for method in METHODS}
+    assert {row["method"] for row in csv_rows(everything / "figure_5.csv")} == {method.label for method in METHODS}
 
 
 def test_figures_share_runs_and_a_second_start_renders_nothing(everything):
@@ -162,15 +157,15 @@ def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, arguments, words):
     assert len(lines) == 1 and words in lines[0], run.stderr
 
 
-@pytest.mark.parametrize("arguments, cap", [([], 4), (["--bounces", "2"], 2), (["--bounces", "0"], 0)])
+@pytest.mark.parametrize("arguments, cap", [([], 12), (["--bounces", "2"], 2), (["--bounces", "0"], 0)])
 def test_a_bounce_cap_takes_the_place_of_the_scene_s(tmp_path, arguments, cap):
-    options = program.parse(["figure", "5", "--scenes", "door_ajar", *arguments])
+    options = program.parse(["figure", "5", "--scenes", "cornell_glass", *arguments])
     with Pool(tmp_path, 1) as pool:
         evaluation = Paper(program.size_from(options), tmp_path, None, pool, None, options.scenes)
         settings = evaluation.settings(Study(METHODS, evaluation.scenes()))
         [scene] = settings.scenes
         assert facts(pool, scene).bounces(settings.bounces) == cap
-        call = evaluation.call(figure_4.directions, "door_ajar", "graphs/restir_pg.py")
+        call = evaluation.call(figure_4.directions, "cornell_glass", "graphs/restir_pg.py")
         assert dict(call.settings)["bounces"] == cap
 
 

@@ -1,11 +1,11 @@
 """Sections of the reproduced paper: tables and figures of made-up runs, whose errors differ by method."""
 
-import csv
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from harness_runs import csv_rows
 
 from restirpg.harness.paper import (
     ablation,
@@ -84,8 +84,13 @@ def test_a_section_is_drawn_and_its_tables_are_written(name, tmp_path):
         assert picture.png().startswith(b"\x89PNG")
     for table in section.tables:
         table.write_csv(tmp_path)
-        with open(tmp_path / f"{table.name}.csv") as stream:
-            assert len(list(csv.DictReader(stream))) == len(table.rows) > 0
+        assert len(csv_rows(tmp_path / f"{table.name}.csv")) == len(table.rows) > 0
+
+
+def test_the_report_says_how_many_frames_each_kind_of_reference_has(tmp_path):
+    page.write([], SimpleNamespace(size=QUICK, code="", devices={}, failures=[]), tmp_path / "r.html", "reproduce.py")
+    told = "2048 frames of path_tracer.py in 16 batches; of each frame of figure 7 and motion 512"
+    assert told in (tmp_path / "r.html").read_text()
 
 
 class LackingPaper(MadeUpPaper):

@@ -3,22 +3,20 @@
 Null hypothesis and false-alarm rate of the rendered tests: see scripts/restirpg/harness/unbiased.py.
 """
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from direct_light import direct_graph, make_reference, write_every_light, write_open_floor
 from mutants import mutant
-from renderer_scenes import ROOT, SIZE, make_renderer, own_plugins, restirpg, scene, scene_file  # noqa: F401
+from renderer_scenes import SIZE, make_renderer, restirpg
 
 from restirpg.harness.statistics import LEVEL
 from restirpg.harness.unbiased import compare, independent_runs
 
 RUNS = 64
 FRAMES = 8
-REFERENCE_FRAMES = 4096
-# Weights are sums of a few floats; a shadow ray that two participants judge apart would show as 1e-2 or more.
+REFERENCE_PATHS = 4096
+LARGEST_UNSEEN = 0.02  # of the image mean
+# Weights are sums of a few floats; a shadow ray that two participants judge differently would show as 1e-2 or more.
 PARTITION_TOLERANCE = 1e-4
 
 
@@ -30,18 +28,12 @@ def every_light(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def every_light_reference(every_light):
-    return make_reference(every_light, REFERENCE_FRAMES)
+    return make_reference(every_light, REFERENCE_PATHS)
 
 
 @pytest.fixture(scope="module")
 def box_reference(scene):
-    return make_reference(scene, REFERENCE_FRAMES)
-
-
-def embedded_scene(name, folder):
-    """One of make_scenes.py's, loaded."""
-    subprocess.run([sys.executable, ROOT / "scripts" / "make_scenes.py", name, "--out", folder], check=True)
-    return restirpg.load_scene(folder / f"{name}.glb")
+    return make_reference(scene, REFERENCE_PATHS)
 
 
 def check(samples, reference):
@@ -50,6 +42,7 @@ def check(samples, reference):
         verdict = compare(images, reference, len(samples))
         print(f"frame {k}, {len(images)} runs: {verdict}")
         assert not verdict.biased, f"frame {k}: {verdict}"
+        assert verdict.detectable < LARGEST_UNSEEN
 
 
 def test_the_mean_is_the_path_tracers_under_every_kind_of_light(every_light, every_light_reference):
@@ -62,13 +55,13 @@ def test_the_mean_is_the_path_tracers_at_shadow_edges(scene, box_reference):
 
 
 def orbit(renderer, k):
-    """The camera of frame k of a run: a few pixels a frame, nearer and nearer."""
-    renderer.move_camera(position=(0.2 - 0.06 * k, 1.0, 3.4 - 0.03 * k))
+    """The camera of frame k of a run: a few pixels per frame, nearer and nearer. In frame FRAMES it is the scene's."""
+    renderer.move_camera(position=(0.2 - 0.06 * (k - FRAMES), 1.0, 3.4 - 0.03 * (k - FRAMES)))
 
 
-def test_the_mean_is_the_path_tracers_under_a_moving_camera(every_light):
-    reference = make_reference(every_light, REFERENCE_FRAMES, lambda renderer: orbit(renderer, FRAMES))
-    check(independent_runs(make_renderer(every_light, direct_graph()), RUNS, (FRAMES,), orbit), reference)
+def test_the_mean_is_the_path_tracers_under_a_moving_camera(every_light, every_light_reference):
+    renderer = make_renderer(every_light, direct_graph())
+    check(independent_runs(renderer, RUNS, (FRAMES,), orbit), every_light_reference)
 
 
 def swing(renderer, k):
@@ -82,17 +75,19 @@ def swing(renderer, k):
 
 def test_light_points_follow_a_light_that_moves_turns_and_grows(tmp_path):
     floor = restirpg.load_scene(write_open_floor(tmp_path))
-    reference = make_reference(floor, REFERENCE_FRAMES // 2, lambda renderer: swing(renderer, FRAMES))
+    reference = make_reference(floor, REFERENCE_PATHS // 2, lambda renderer: swing(renderer, FRAMES))
     check(independent_runs(make_renderer(floor, direct_graph()), RUNS, (FRAMES,), swing), reference)
 
 
-def test_what_is_not_direct_through_rough_lobes_is_the_path_tracers(tmp_path):
+def test_what_is_not_direct_through_rough_lobes_is_the_path_tracers(embedded):
     """With mirrors and smooth glass, ReSTIRDI and the path tracer share the light, none of it twice."""
-    glass = embedded_scene("cornell_glass", tmp_path)
+    glass = restirpg.load_scene(embedded("cornell_glass"))
     samples = independent_runs(make_renderer(glass, direct_graph()), RUNS // 2, (2,))
-    check(samples, make_reference(glass, REFERENCE_FRAMES // 2))
+    check(samples, make_reference(glass, REFERENCE_PATHS // 2, deltas=True))
 
 
+# At which the mutant di_mixture must be found.
+MOSTLY_SCATTERED = {"candidates": 1, "bsdf_candidates": 4, "rounds": 0}
 SETTINGS = [
     {"rounds": 0, "cap": 1},
     {"rounds": 0, "cap": 100},
@@ -102,6 +97,7 @@ SETTINGS = [
     {"rounds": 1, "neighbours": 6, "cap": 100, "radius": 150.0, "normal_threshold": -1.0, "depth_threshold": 10.0},
     {"rounds": 2, "neighbours": 3, "cap": 20, "mis": "balance"},
     {"rounds": 3, "neighbours": 2, "cap": 20, "candidates": 2, "bsdf_candidates": 4, "feedback": False},
+    MOSTLY_SCATTERED,
 ]
 
 
@@ -121,11 +117,11 @@ def test_the_mean_does_not_depend_on_what_is_reused(scene, box_reference, settin
         ("di_cap", {}),
         ("di_confidence", {}),
         ("di_light_measure", {}),
-        ("di_mixture", {"candidates": 1, "bsdf_candidates": 4, "rounds": 0}),
+        ("di_mixture", MOSTLY_SCATTERED),
     ],
 )
 def test_a_mistake_shows_in_the_mean(scene, box_reference, mistake, settings):
-    with mutant(mistake, "ReSTIRDI"):
+    with mutant(mistake):
         renderer = make_renderer(scene, direct_graph(**settings))
     samples = independent_runs(renderer, RUNS // 4, (FRAMES,))
     verdict = compare(samples[FRAMES], box_reference)
@@ -190,18 +186,6 @@ def test_the_same_seed_gives_the_same_bytes(every_light):
         renderer.render(4)
         images.append(renderer.output("radiance").tobytes())
     assert images[0] == images[1] != images[2]
-
-
-def test_an_animated_scene_stays_finite_and_not_negative(tmp_path):
-    door = embedded_scene("door_ajar_animated", tmp_path)
-    renderer = make_renderer(door, direct_graph(), fps=24)
-    total = 0
-    for _ in range(120):
-        renderer.render(1)
-        image = renderer.output("radiance")
-        assert np.isfinite(image).all() and image.min() >= 0
-        total += image.mean()
-    assert total > 0
 
 
 @pytest.mark.parametrize("missing", ["motion", "previous_surface", "history"])

@@ -75,7 +75,7 @@ def test_a_closed_furnace_gives_its_series_whatever_is_reused(box, reuse, nee):
 
 @pytest.mark.parametrize("mistake", ["tree_light_measure", "tree_found_lights"])
 def test_a_mistake_in_the_candidates_shows_in_the_furnace(tmp_path, mistake):
-    with mutant(mistake, "PathTracerGuided"):
+    with mutant(mistake):
         box = make_renderer(closed_box(tmp_path, ALBEDO), (16, 16), BOUNCES)
     means = box_means(box, True, REUSE["none"])
     print(f"{mistake}: ratio {means.mean() / EXPECTED:.4f}")
@@ -91,7 +91,7 @@ def test_a_clear_pane_loses_no_light_but_without_the_probability_of_labels(tmp_p
         return np.abs(pane.output("radiance").astype(float) - 1)
 
     assert errors().max() < 1e-5
-    with mutant("tree_label_probability", "PathTracerGuided"):
+    with mutant("tree_label_probability"):
         assert errors().mean() > 0.05
 
 
@@ -139,5 +139,5 @@ def test_no_path_goes_through_a_screen(screened, reuse):
 
 
 def test_a_connection_that_is_not_traced_goes_through_the_screen(tmp_path):
-    with mutant("reuse_visibility", "ReSTIRReuse"):
+    with mutant("reuse_visibility"):
         assert light_behind_the_screen(screened_renderer(tmp_path), {}) > 0.01

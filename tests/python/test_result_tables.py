@@ -19,7 +19,7 @@ MARKER = "<!-- table: runs.csv frame=4 value=mape against=first -->"
 # first in both seeds, so that the change has none.
 TABLE = """|  | room | hall |
 | --- | --- | --- |
-| first | 40.0 ± 10.0% | 20.0 ± nan% |
+| first | 40.0 ± 10.0% | 20.0% |
 | second | 20.0 ± 5.0%, -50.0 ± 0.0% | — |
 """
 
@@ -45,6 +45,24 @@ def test_a_table_is_written_below_its_marker(page):
     assert run(page).stdout == "" and page.read_text() == text
 
 
+@pytest.mark.parametrize("name", ["gpu_ms", "gpu_ms_total"])
+def test_summed_times_become_those_of_a_frame_in_files_of_either_age(tmp_path, name):
+    (tmp_path / "runs.csv").write_text(RUNS.replace("gpu_ms", name))
+    page = tmp_path / "page.md"
+    page.write_text(f"<!-- table: runs.csv frame=4 value={name} scenes=room -->\n")
+    assert run(page).returncode == 0
+    assert "| first | 15.0 ± 5.0 |" in page.read_text()
+
+
+def test_tiles_are_paired_as_seeds_are(tmp_path):
+    text = RUNS.replace("seed,frame,mape", "tile,frame,mape_single")
+    (tmp_path / "runs.csv").write_text(text)
+    page = tmp_path / "page.md"
+    page.write_text(f"{MARKER.replace('value=mape', 'value=mape_single')}\n")
+    assert run(page).returncode == 0
+    assert TABLE in page.read_text()
+
+
 def test_a_figure_that_the_file_does_not_have_is_found(page):
     run(page)
     assert run("--check", page).returncode == 0
@@ -55,12 +73,22 @@ def test_a_figure_that_the_file_does_not_have_is_found(page):
 
 @pytest.mark.parametrize(
     "options, words",
-    [("frame=4", "frame and value must be given"), ("frame=5 value=mape", "no run has frame 5")],
+    [
+        ("frame=4", "frame and value must be given"),
+        ("frame=5 value=mape", "frame=5: no run of runs.csv has it"),
+        ("frame=last value=mape", "frame=last: it is a whole number"),
+        ("frame=4 value=mapee", "value=mapee: there are: mape, gpu_ms; did you mean 'mape'?"),
+        ("frame=4 value=scene", "value=scene: there are: mape, gpu_ms"),
+        ("frame=4 value=mape methods=first,secnd", "methods=secnd: there are: first, second; did you mean 'second'?"),
+        ("frame=4 value=mape scenes=rom", "scenes=rom: there are: room, hall; did you mean 'room'?"),
+        ("frame=4 value=mape against=frst", "against=frst: there are: first, second; did you mean 'first'?"),
+    ],
 )
 def test_a_marker_that_cannot_be_followed_is_one_line(page, options, words):
     page.write_text(f"<!-- table: runs.csv {options} -->\n")
     done = run(page)
-    assert done.returncode == 2 and words in done.stderr and done.stderr.count("\n") == 1
+    assert done.returncode == 2 and f"{page}: " in done.stderr and words in done.stderr
+    assert done.stderr.count("\n") == 1
 
 
 def test_recorded_pages_say_what_their_files_say():

@@ -7,7 +7,10 @@ import struct
 
 import numpy as np
 import pytest
-from renderer_scenes import GRAPH, restirpg, scene_file  # noqa: F401
+from renderer_scenes import GRAPH, restirpg
+
+from restirpg.scenes import shapes
+from restirpg.scenes.gltf import SceneFile, Texture, emitter, lambert
 
 SIZE = (16, 16)
 FRAMES = 2
@@ -123,6 +126,72 @@ def test_a_lights_intensity_moves_the_probabilities_of_selection(edited, write):
     edited.edit({"lights.Lamp.intensity": 0})
     assert picture(edited) == picture(make(write({"lights.Lamp.intensity": [0, 0, 0]})))
     edited.edit({"lights.Lamp.intensity": 1})
+
+
+def test_a_dark_emitter_that_an_edit_lights_has_its_texture(tmp_path):
+    texels = np.zeros((2, 2, 3), np.uint8)
+    texels[0, 0], texels[1, 1] = 255, 128
+    panel = emitter("Panel", (1.0, 1.0, 1.0), emission_texture=Texture(texels, nearest=True))
+
+    def panel_scene(name, factor):
+        scene = SceneFile(name, 0, environment=(0, 0, 0))
+        scene.add("Panel", (shapes.quad((-1, -1, 0), (2, 0, 0), (0, 2, 0)), panel))
+        scene.add_camera((0, 0, 2.5), (0, 0, 0), 40.0)
+        scene._json["materials"][0]["emissiveFactor"] = [factor] * 3
+        return restirpg.load_scene(scene.write(tmp_path))
+
+    lit, dark = make(panel_scene("lit", 1)), make(panel_scene("dark", 0))
+    assert picture(dark) != picture(lit)
+    dark.edit({"materials.Panel.emission": 1})
+    assert picture(dark) == picture(lit)
+    dark.edit({"materials.Panel.emission": 0})
+    assert picture(dark) == picture(make(panel_scene("dark_again", 0)))
+
+
+STRETCHED = np.diag([3.0, 1, 1, 1])
+FAR = np.array([[1, 0, 0, 5000], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], float)
+CAMERA = np.array([[1, 0, 0, 5000.3], [0, 1, 0, 0.4], [0, 0, 1, 2], [0, 0, 0, 1]])
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"nodes.Triangle.matrix": STRETCHED},  # its longest edge is another one
+        {"nodes.Triangle.matrix": FAR, "nodes.Camera.matrix": CAMERA},  # far from the origin for its size
+    ],
+    ids=["stretched", "far"],
+)
+def test_what_follows_from_matrices_is_that_of_a_file(tmp_path, values):
+    """The corner at which a triangle starts and the origin of coordinates show in the hits, to the byte."""
+
+    def renderer_of(name, values):
+        scene = SceneFile(name, 0, environment=(1, 1, 1))
+        corners = np.array([(0, 0, 0), (1, 0, 0), (0.4, 0.9, 0)], np.float32)
+        mesh = shapes.Mesh(
+            corners, np.tile(np.float32([0, 0, 1]), (3, 1)), np.zeros((3, 2), np.float32), np.array([[0, 1, 2]])
+        )
+        scene.add("Triangle", (mesh, lambert("White")))
+        scene.add_camera((0.4, 0.4, 2), (0.4, 0.4, 0), 40.0)
+        put(scene._json, values)
+        return make(restirpg.load_scene(scene.write(tmp_path)))
+
+    def hits(renderer):
+        return picture(renderer), bytes(renderer.read_port("gbuffer.surface"))
+
+    one = renderer_of("plain", {})
+    plain = hits(one)
+    original = {path: one.parameters()[path] for path in values}
+    one.edit(values)
+    assert hits(one) == hits(renderer_of("with_values", values)) != plain
+    one.edit(original)
+    assert hits(one) == hits(renderer_of("with_matrices", original))
+
+
+def test_an_edit_that_makes_the_scene_too_large_is_refused(edited):
+    before = edited.parameters(), picture(edited)
+    with pytest.raises(restirpg.Error, match="the scene reaches beyond 3000000000 m; check the scale") as caught:
+        edited.edit({"nodes.Tower.matrix": np.diag([1e10, 1, 1, 1])})
+    assert isinstance(caught.value, ValueError) and (edited.parameters(), picture(edited)) == before
 
 
 def test_an_edit_is_this_renderers_alone_and_files_tell_of_it(write, tmp_path):

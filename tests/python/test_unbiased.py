@@ -2,7 +2,7 @@
 same.
 
 Null hypothesis: every 4 x 4 block of 32 x 32 pixels has one expected luminance. 64 runs a side, Welch's t, |t| against
-the normal quantile of a false alarm of 1% over all blocks; the seeds are fixed. Lights without a surface (spot, point,
+Student's quantile of a false alarm of 1% over all blocks; the seeds are fixed. Lights without a surface (spot, point,
 directional) can only be connected to: they are tested against the irradiance that they are defined by.
 """
 
@@ -11,12 +11,12 @@ import struct
 
 import numpy as np
 import pytest
-from direct_light import LUMINANCE, LitScene, write_every_light
+from direct_light import LitScene, write_every_light
 from furnace_scenes import run_means, standard_errors_off
-from renderer_scenes import GRAPH, restirpg
+from renderer_scenes import GRAPH, check_samples, restirpg
 from scipy import stats
 
-from restirpg.harness.statistics import LEVEL, block_means
+from restirpg.harness.statistics import LEVEL, block_means, luminance
 from restirpg.harness.unbiased import BLOCK
 from restirpg.scenes import shapes
 from restirpg.scenes.gltf import lambert
@@ -53,7 +53,8 @@ def block_runs(file, seed, backend, **knobs):
     sums = [np.zeros((32, 32))]
     for run in range(1, RUNS + 1):
         renderer.render(FRAMES)
-        sums.append(renderer.output("image").astype(float) @ LUMINANCE * run)
+        sums.append(luminance(renderer.output("image")) * run)
+    check_samples(renderer)
     return block_means(np.diff(sums, axis=0), BLOCK)
 
 

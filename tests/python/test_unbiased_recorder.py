@@ -7,14 +7,17 @@ diffuse box the spatial ones are near it. Made-up runs: TRIALS comparisons of lo
 """
 
 import json
+import resource
 import subprocess
 import sys
 
 import numpy as np
 import pytest
 from mutants import mutant
-from renderer_scenes import ROOT, scene_file  # noqa: F401
+from renderer_scenes import ROOT
+from unbiased.samples import Samples
 
+from restirpg.harness import UserError
 from restirpg.harness.statistics import LEVEL
 from restirpg.harness.unbiased import Reference, compare
 
@@ -72,14 +75,14 @@ def test_a_method_without_bias_passes(out, scene_file, method):
 CELLS = "splat.cell_size=0.15"
 
 
-@pytest.mark.parametrize("method", ["restir_pg", "raw_pt_ruppert2020"])
+@pytest.mark.parametrize("method", ["restir_pg", "restir_pg_plus", "raw_pt_ruppert2020"])
 def test_a_guided_method_passes(out, scene_file, method):
     code, found = record(out, scene_file, f"graphs/{method}.py@{CELLS}", "--frames", "8", "--runs", "64")
     assert code == 0 and found["invalid"] == 0 and not found["biased"]
 
 
 def test_a_mistake_of_reuse_is_found(out, scene_file):
-    with mutant("reuse_confidence", "ReSTIRReuse"):
+    with mutant("reuse_confidence"):
         code, found = record(out, scene_file, "graphs/restir_pt.py", "--frames", "4", "--runs", "64")
     assert code == 1 and found["biased"]
 
@@ -114,12 +117,17 @@ def test_a_cap_of_no_bounces_is_not_the_scenes_own(scene_file, tmp_path):
     assert found["bounces"] == 0
 
 
+#: Of a record that is soon done.
+FEW = "graphs/restir_pt.py --scene cornell_box --frames 1 --runs 2 --reference-batches 2 --batch-frames 2".split()
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["graphs/none.py", "--scene", "cornell_box"], "no such graph"),
         (["graphs/restir_pt.py", "--scene", "no_scene"], "neither a file nor an embedded scene"),
         (["graphs/restir_pt.py", "--scene", "cornell_box", "--size", "10x16"], "multiples of 4"),
+        ([*FEW, "--size", "48x52", "--block", "8"], "no whole blocks"),
         (["graphs/restir_pt.py", "--scene", "cornell_box", "--frames", "8,1"], "ascending"),
         (["graphs/restir_pt.py@reuse.capp=3", "--scene", "cornell_box"], "capp"),
     ],
@@ -160,3 +168,44 @@ def test_a_bias_is_found_as_often_as_its_size_says(errors, least, most):
     bias = np.mean([errors * verdict.image.se if errors else verdict.detectable for verdict in typical])
     found = sum(made_up(random, 1 + bias).image.p < LEVEL for _ in range(TRIALS))
     assert least * TRIALS <= found <= most * TRIALS
+
+
+def exact(image):
+    """A Reference without error."""
+    return Reference(image, np.zeros_like(image))
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("where", ["samples", "reference", "variance"])
+def test_a_value_that_is_no_number_is_refused(where, value):
+    """It would be within every limit: no comparison with NaN holds."""
+    random = np.random.default_rng(3)
+    arrays = {"samples": random.random((4, 8, 8)), "reference": np.full((8, 8), 0.5), "variance": np.zeros((8, 8))}
+    arrays[where][..., 2, 5] = value
+    with pytest.raises(UserError, match="NaN or infinite"):
+        compare(arrays["samples"], Reference(arrays["reference"], arrays["variance"]))
+
+
+def test_a_black_reference_is_refused():
+    with pytest.raises(UserError, match="the reference is black"):
+        compare(np.ones((4, 8, 8)), exact(np.zeros((8, 8))))
+
+
+@pytest.mark.parametrize("ratio, biased", [(1.0, False), (1.0001, True), (0.0, True)])
+def test_runs_without_spread_have_the_mean_or_have_not(ratio, biased):
+    image = np.full((8, 8), 0.5)
+    verdict = compare(np.array([ratio * image] * 4), exact(image))
+    assert verdict.biased == biased and (verdict.image.p < 1e-4) == biased, str(verdict)
+
+
+def test_what_cannot_be_noted_leaves_what_was(tmp_path):
+    samples = Samples(tmp_path, {"method": "own"}, (2,))
+    samples.note_session()
+    before, (soft, hard) = samples.sessions(), resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, hard))  # no byte can be written
+    try:
+        with pytest.raises(UserError, match=r"sessions\.json: cannot be written"):
+            samples.note_session()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert len(before) == 1 and samples.sessions() == before

@@ -1,6 +1,8 @@
 """Moves of the viewer's camera: what each leaves as it was, and which way it goes."""
 
+import json
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -72,3 +74,21 @@ def test_a_focus_changes_nothing_that_is_seen():
 def test_the_field_of_view_stays_a_pinhole_camera():
     assert math.tan(camera.zoom(POSE, 2.0)["yfov"] / 2) == pytest.approx(2 * math.tan(POSE["yfov"] / 2))
     assert 0 < camera.zoom(POSE, 1e-9)["yfov"] < camera.zoom(POSE, 1e9)["yfov"] < math.pi
+
+
+def test_a_copied_pose_has_all_digits_of_single_precision():
+    generator = np.random.default_rng(1)
+    values = generator.normal(size=10).astype(np.float32)
+    pose = {
+        "position": values[:3].tolist(),
+        "target": values[3:6].tolist(),
+        "up": values[6:9].tolist(),
+        "yfov": float(values[9]),
+    }
+    for copied in (
+        json.loads(camera.as_json(pose)),
+        camera.from_option(camera.as_option(pose).partition("=")[2]),
+        eval(camera.as_python(pose), {"renderer": SimpleNamespace(move_camera=dict)}),
+    ):
+        numbers = [*copied["position"], *copied["target"], *copied["up"], copied["yfov"]]
+        assert (np.array(numbers, np.float32) == values).all()

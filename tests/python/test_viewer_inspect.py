@@ -3,7 +3,7 @@ guide."""
 
 import numpy as np
 import pytest
-from renderer_scenes import GRAPH, restirpg, scene, scene_file  # noqa: F401
+from renderer_scenes import GRAPH, restirpg, write_far
 
 from restirpg.harness import UserError, guide_maps, guiding
 from restirpg.viewer import camera, guide, reservoirs
@@ -73,6 +73,9 @@ def test_empty_and_light_reservoirs_in_words():
     light["confidence"], light["instance"], light["index"] = 3, 0xFFFFFFFF, 7
     words = [what for what, _ in reservoirs.describe_light(light[0])]
     assert words[:2] == ["a point of light 7 of the table", "confidence M = 3"]
+    light["index"] = 0xFFFFFFFF  # as ReSTIRDI has it where all candidates carry nothing
+    words = [what for what, _ in reservoirs.describe_light(light[0])]
+    assert words[:2] == ["empty", "confidence M = 3"]
     path = np.zeros(1, reservoirs.PATH)
     path["shape"], path["labels"], path["confidence"] = 4 | 3 << 8 | 1 << 17, 1 << 2, 2
     words = [what for what, _ in reservoirs.describe_path(path[0])]
@@ -111,6 +114,39 @@ def test_the_guide_by_chains_is_told_too(scene):
     told = session.inspector.guide(0, *FLOOR)
     assert 0 < len(told["lobes"]) <= 4 and sum(weight for _, weight in told["lobes"]) == pytest.approx(1)
     assert told["alpha"] == 0.5 and told["samples"] >= 1 and set(told["maps"]) == {"lobes", "directions of this frame"}
+
+
+FAR = (1000, 0, 0)  # so many radii from 0 that kernels have places relative to the scene's middle
+
+
+@pytest.fixture(scope="module")
+def far(scene_file, tmp_path_factory):
+    """The Cornell box, far off."""
+    return restirpg.load_scene(write_far(scene_file, tmp_path_factory.mktemp("far") / "box.glb", FAR))
+
+
+def test_the_points_of_a_scene_far_off_stand_in_the_world_and_in_cells(scene, far):
+    description = restirpg.load_graph(GRAPH.with_name("restir_pg.py")).description
+    ((near,), _, _), ((point,), (frames,), (mixture,)) = (
+        guide_maps.Learner(where, description, [FLOOR], SIZE).run(FRAMES, SEED) for where in (scene, far)
+    )
+    np.testing.assert_allclose(point.position - near.position, FAR, atol=1e-3)
+    assert mixture is not None and sum(len(directions) for directions, _ in frames) > 0
+
+
+@pytest.mark.parametrize("graph", ["restir_pg.py", "raw_pt_alber2025.py"])
+def test_a_scene_far_off_is_told_as_near_by(scene, far, graph):
+    sessions = [Session(where, [GRAPH.with_name(graph)], SIZE, validation=True) for where in (scene, far)]
+    for session in sessions:
+        session.apply({"do": "seed", "value": SEED})
+        for _ in range(FRAMES):
+            session.render()
+    near, told = (session.inspector.guide(0, *FLOOR) for session in sessions)
+    assert set(told["maps"]) == set(near["maps"]) and told["side"] == pytest.approx(near["side"], rel=1e-3)
+    assert told["directions"] == pytest.approx(near["directions"], rel=0.3)
+    for x in range(4, 28):
+        if path := sessions[1].inspector.pixel(x, FLOOR[1])["paths"][0]:
+            np.testing.assert_allclose(np.multiply(path["points"][0], SIZE), [x + 0.5, FLOOR[1] + 0.5], atol=0.05)
 
 
 def test_a_graph_without_a_guide_refuses(scene):

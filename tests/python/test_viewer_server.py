@@ -9,8 +9,9 @@ import struct
 import threading
 import time
 
+import numpy as np
 import pytest
-from renderer_scenes import GRAPH, restirpg, scene, scene_file  # noqa: F401
+from renderer_scenes import GRAPH, restirpg
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: the viewer's server is not tested")
 Image = pytest.importorskip("PIL.Image", reason="Pillow is not installed: the viewer's server is not tested")
@@ -294,3 +295,43 @@ def test_random_input_leaves_the_viewer_alive(viewer):
     assert threading.active_count() <= threads + 1
     assert viewer.rendering.is_alive() and viewer.rendering.waiting() < 10
     assert logging.getLogger("aiohttp.server").getEffectiveLevel() <= logging.ERROR
+
+
+def test_a_reference_that_shows_something_else_is_told(scene, scene_file, tmp_path, capsys):
+    file = tmp_path / "truth.exr"
+
+    def told(scene, **header):
+        attributes = {f"restirpg.{name}": text for name, text in header.items()}
+        restirpg.write_exr(file, {"": np.ones((SIZE[1], SIZE[0], 3), np.float32)}, attributes=attributes)
+        with restirpg.view(GRAPH, scene, SIZE, reference=file):
+            pass
+        lines = capsys.readouterr().err.splitlines()
+        return [line.removeprefix(f"warning: {file}: ").partition(":")[0] for line in lines]
+
+    other = {"pose": "0,0,0", "time": "0.5", "denoised": "true", "camera": "1", "energyCompensation": "true"}
+    assert told(scene_file, sceneHash=scene.hash, **other) == [
+        "its camera was moved",
+        "it shows another time of the animation",
+        "it was denoised",
+        "its camera is number 1, for the methods it is 0",
+        "its energy compensation is true, for the methods it is false",
+    ]
+    assert told(scene_file, sceneHash=scene.hash) == []
+    assert told(scene, sceneHash=scene.hash, camera="1") == []  # of which it may be the camera
+
+
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        ({"window": (0, 0, 8, 8)}, "the viewer shows whole pictures: leave out window"),
+        ({"fps": 24}, "leave out fps"),
+        ({"graphs": []}, "give 1 to 4 graphs, not 0"),
+        ({"reference": "absent.exr"}, "absent.exr"),
+        ({"pose": {"position": 1, "target": 2, "up": 3, "yfov": 1.0}}, "position is not three numbers"),
+    ],
+)
+def test_what_view_refuses_is_an_error_of_the_package(scene, options, words):
+    graphs = options.pop("graphs", GRAPH)
+    with pytest.raises(restirpg.Error, match=words) as caught:
+        restirpg.view(graphs, scene, SIZE, **options)
+    assert "\n" not in str(caught.value)

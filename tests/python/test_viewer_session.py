@@ -1,5 +1,6 @@
 """The viewer's session without a network: what its commands do to the pictures, and what they refuse."""
 
+import io
 import json
 import shlex
 import shutil
@@ -8,7 +9,7 @@ import subprocess
 import numpy as np
 import pytest
 from PIL import Image
-from renderer_scenes import GRAPH, make_renderer, restirpg, scene, scene_file, write_flying_panel  # noqa: F401
+from renderer_scenes import GRAPH, make_renderer, restirpg, write_far, write_flying_panel
 
 from restirpg.harness import UserError
 from restirpg.harness.render import native_file
@@ -173,6 +174,44 @@ def test_a_pixel_tells_what_it_sees(session):
     assert distance == pytest.approx(pixel["geometry"]["depth"], rel=1e-5)
 
 
+@pytest.mark.parametrize("ask", [lambda session: session.inspector.pixel(8, 8), lambda session: session.frame(),
+                                 lambda session: capture.make(session, "picture.png", "0")])  # fmt: skip
+def test_what_is_asked_for_right_after_a_move_is_of_the_new_view(session, scene, ask):
+    """Both commands may come between two frames."""
+    session.apply({"do": "orbit", "x": 0.2, "y": 0.1})
+    ask(session)
+    alone = make_renderer(scene, size=SIZE)
+    alone.move_camera(**session.camera)
+    alone.render(1)
+    np.testing.assert_array_equal(images(session)[0], alone.output("image"))
+
+
+def test_a_pixel_is_told_whatever_the_renderers_are_made_with(scene):
+    options = {"outputs": ["frame"], "bounces": 1, "seed": 3, "energy_compensation": True}
+    session = Session(scene, [GRAPH], SIZE, validation=True, **options)
+    assert session.inspector.pixel(8, 8)["geometry"]["depth"] > 1
+
+
+def test_a_pixel_that_misses_has_no_geometry(flying):
+    """A G-buffer has material -1 and normal 0 0 0 there."""
+    session = Session(flying, [GRAPH], SIZE, validation=True)
+    assert session.inspector.pixel(8, 8)["geometry"]["material"] == 0
+    session.apply({"do": "time", "seconds": 1})
+    session.render()
+    assert session.inspector.pixel(8, 8)["geometry"] is None
+
+
+def test_a_pose_is_taken_as_it_is(scene_file, tmp_path):
+    far = restirpg.load_scene(write_far(scene_file, tmp_path / "box.glb", (5.4e6, 0, 0)))
+    session = Session(far, [GRAPH], SIZE, validation=True)
+    before = session.camera
+    assert before["position"][0] > 5e6
+    session.apply({"do": "pose", **before, "yfov": 0.02})
+    session.render()
+    assert session.camera == {**before, "yfov": 0.02}
+    assert session.panes[0].renderer.camera == {**before, "yfov": pytest.approx(0.02)}
+
+
 @pytest.mark.parametrize(
     "message, words",
     [
@@ -186,7 +225,10 @@ def test_a_pixel_tells_what_it_sees(session):
         ({"do": "set", "pane": 2, "knob": "a.b", "value": 1}, "no graph 2"),
         ({"do": "view", "name": "../x"}, "no view"),
         ({"do": "set", "pane": 0, "knob": "paths.bounces", "value": "many"}, "bounces"),
-        ({"do": "pose", "position": [0, 0, 0], "target": [0, 1, 0], "up": [0, 1, 0], "yfov": 1}, "span no view"),
+        ({"do": "pose", "position": [0, 0, 0], "target": [0, 1, 0], "up": [0, 1, 0], "yfov": 1}, "not span a view"),
+        ({"do": "pose", "position": [1e30, 0, 0], "target": [0, 1, 0], "up": [0, 1, 0], "yfov": 1}, "nearer to 0"),
+        ({"do": "pose", "position": [0, 0, 0], "target": [0, 0, 1], "up": [0, 1, 0], "yfov": 3.2}, "no pinhole camera"),
+        ({"do": "pose", "position": [0, 0, 0], "target": [0, 0, 1], "up": [0, 1, 0], "yfov": 10**400}, "no number"),
         ({"do": "camera", "number": 1}, "the scene has 1"),
         ({"do": "reference", "source": "../x"}, "no reference"),
         ({"do": "film", "frames": 3, "kind": "png"}, "--captures"),
@@ -219,6 +261,7 @@ def test_a_reference_is_traced_while_the_view_rests(session):
     session.render()
     session.trace_reference()
     assert session.frame().header["reference_frames"] == 1 and session.truth().mean() < truth.mean()
+    assert session.errors()[0] is not None and session.errors()[1] is None  # whose cap is another
     session.apply({"do": "view", "name": "error"})
     assert session._shown()[0].any()
     session.apply({"do": "reference", "source": "none"})
@@ -267,7 +310,35 @@ def test_the_command_line_is_of_the_animation_as_it_is_now(flying, tmp_path):
     assert rendered_by_command(session, 0, tmp_path / "out.exr").tobytes() == picture.tobytes()
 
 
-def test_the_options_of_the_viewer_are_in_the_command_line(scene, tmp_path):
+def test_an_animation_stops_where_it_ends(flying, scene):
+    session = Session(flying, [GRAPH], SIZE, validation=True)
+    session.apply({"do": "time", "seconds": 0.95})
+    session.apply({"do": "speed", "factor": 1})
+    times, frames = [], []
+    for _ in range(4):
+        session.render()
+        times.append(session.time)
+        frames.append(session.panes[0].frames)
+    assert times == pytest.approx([0.95 + 1 / 30, 1, 1, 1]) and frames == [1, 1, 2, 3]
+    session.apply({"do": "speed", "factor": -100})
+    session.render()
+    assert session.time == 0
+    still = Session(scene, [GRAPH], SIZE, validation=True)
+    still.apply({"do": "speed", "factor": 1})
+    for _ in range(2):
+        still.render()
+    assert (still.time, still.panes[0].frames) == (0, 2)  # nothing moves in this scene
+
+
+def write_sky(file):
+    """A sky that is bluer above. Returns the file's name."""
+    restirpg.write_exr(file, {"": np.linspace((1, 2, 4), (1, 1, 1), 8).repeat(16, 0).reshape(8, 16, 3)})
+    return str(file)
+
+
+@pytest.mark.parametrize("sky", [lambda folder: "0.5,0.25,0.125", lambda folder: write_sky(folder / "a sky.exr")])
+def test_the_options_of_the_viewer_are_in_the_command_line(scene_file, sky, tmp_path):
+    scene = restirpg.load_scene(scene_file, environment=sky(tmp_path))
     options = {"device": 0, "bounces": 1, "energy_compensation": True}
     session = Session(scene, [GRAPH], SIZE, allow_outside=True, validation=True, **options)
     session.apply({"do": "pose", **json.loads(session.state()["json"])})  # as many digits as the command line has
@@ -308,6 +379,20 @@ def depth_graph():
     return graph
 
 
+def test_the_traced_reference_has_the_pixel_filter_of_the_graphs(scene):
+    """At the centres of pixels a picture's mean is another than over their area."""
+    session = Session(scene, [GRAPH.with_name("restir_pt.py"), GRAPH], SIZE, validation=True)
+    session.apply({"do": "reference", "source": "traced"})
+    session.render()
+    session.trace_reference()
+    centres = session.truth()
+    assert [error is None for error in session.errors()] == [False, True]
+    session.apply({"do": "set", "pane": 0, "knob": "gbuffer.jitter", "value": True})
+    session.render()
+    session.trace_reference()
+    assert None not in session.errors() and session.truth().tobytes() != centres.tobytes()
+
+
 def test_a_picture_of_one_channel_has_no_error_and_is_shown(scene):
     session = Session(scene, [depth_graph(), GRAPH, depth_graph()], SIZE, validation=True)
     session.apply({"do": "reference", "source": "traced"})
@@ -334,6 +419,7 @@ def test_a_film_is_numbered_pictures_of_every_graph(session, tmp_path, monkeypat
         while session.film:
             assert session.wants_frame() and session.film.told()["count"] == frames
             session.render()
+        assert session.frame().header["filmed"] == str(folder)  # though no page has seen it begin
         folders = sorted(folder.iterdir())
         assert folder.parent == tmp_path and [made.name[:2] for made in folders] == ["1_", "2_"]
         for made in folders:
@@ -364,6 +450,43 @@ def test_captures(session, tmp_path):
             capture.make(session, name, pane)
 
 
+def test_with_kept_history_files_are_of_what_is_shown_and_no_command_line_is(session, tmp_path, monkeypatch):
+    monkeypatch.setattr(session, "captures", tmp_path)
+    session.apply({"do": "keep", "on": True})
+    session.render()
+    session.apply({"do": "pan", "x": 0.1, "y": 0.0})
+    session.apply({"do": "film", "frames": 3, "kind": "exr"})
+    folder = session.film.folder
+    while session.film:
+        session.render()
+    exr = tmp_path / "capture.exr"
+    data, _, name = capture.make(session, "outputs.exr", "1")
+    exr.write_bytes(data)
+    for file in (exr, next(folder.glob("2_*/00003.exr"))):
+        np.testing.assert_array_equal(restirpg.read_exr(file), images(session)[1])
+        header = restirpg.read_exr_attributes(file)
+        assert header["restirpg.frames"] == "3" and header["restirpg.history"] == "kept over moves of the camera"
+        assert camera.same(camera.from_option(header["restirpg.pose"]), session.camera)
+    assert name.endswith("_3.exr")
+    with Image.open(io.BytesIO(capture.make(session, "picture.png", "1")[0])) as picture:
+        assert picture.text["restirpg.history"] == "kept over moves of the camera"
+    assert [pane["command"] for pane in session.frame().header["panes"]] == [None, None]
+    session.apply({"do": "keep", "on": False})
+    session.render()
+    exr.write_bytes(capture.make(session, "outputs.exr", "1")[0])
+    assert "restirpg.history" not in restirpg.read_exr_attributes(exr)
+    assert None not in [pane["command"] for pane in session.frame().header["panes"]]
+
+
+def test_with_kept_history_a_picture_of_one_channel_is_saved(scene, tmp_path):
+    session = Session(scene, [depth_graph()], SIZE, validation=True)
+    session.apply({"do": "keep", "on": True})
+    session.render()
+    exr = tmp_path / "depth.exr"
+    exr.write_bytes(capture.make(session, "outputs.exr", "0")[0])
+    np.testing.assert_array_equal(restirpg.read_exr(exr)[..., :1], images(session)[0])
+
+
 def test_a_reload_takes_edits_and_keeps_the_old_graph_when_they_are_wrong(scene, tmp_path):
     file = tmp_path / "own.py"
     file.write_text(GRAPH.read_text().replace("graph = ", "graph = ", 1))
@@ -382,10 +505,62 @@ def test_a_reload_takes_edits_and_keeps_the_old_graph_when_they_are_wrong(scene,
     assert session.panes[0].frames == 1
 
 
-def test_a_shader_that_does_not_compile_is_located_and_the_old_one_goes_on(scene, tmp_path, monkeypatch):
-    shaders = tmp_path / "shaders"
-    shutil.copytree(GRAPH.parents[1] / "framework" / "shaders", shaders)
-    monkeypatch.setenv("RESTIRPG_SHADERS", str(shaders))
+def test_a_port_that_an_edit_takes_away_gives_way_to_the_picture(scene, tmp_path):
+    file, text = tmp_path / "own.py", GRAPH.read_text()
+    file.write_text(text)
+    session = Session(scene, [file], SIZE, validation=True)
+    session.apply({"do": "show", "pane": 0, "port": "paths.radiance"})
+    file.write_text(text + "\ngraph.name = 'Edited'\n")
+    session.apply({"do": "reload"})
+    assert session.panes[0].name == "Edited" and session.panes[0].port == "paths.radiance"
+    file.write_text("from restirpg import Graph\ngraph = Graph('broken')\ngraph.add('x', 'NoSuchPass')\n")
+    with pytest.raises(UserError, match=r"own.py:3: .*NoSuchPass"):
+        session.apply({"do": "reload"})
+    assert session.panes[0].port == "paths.radiance"
+    file.write_text(text.replace('"paths"', '"tracer"'))
+    session.apply({"do": "reload"})
+    session.render()
+    assert "tracer.radiance" in session.panes[0].ports and session.panes[0].port is None
+    assert len(session.frame().images) == 1
+
+
+@pytest.fixture
+def shaders(tmp_path, monkeypatch):
+    """A copy of the GLSL library, which renderers take from here on."""
+    folder = tmp_path / "shaders"
+    shutil.copytree(GRAPH.parents[1] / "framework" / "shaders", folder)
+    monkeypatch.setenv("RESTIRPG_SHADERS", str(folder))
+    return folder
+
+
+def test_the_reference_and_the_probe_are_of_the_edited_shaders_too(scene, shaders):
+    def looked_at(session):
+        session.render()
+        session.trace_reference()
+        assert session.frame().header["reference_frames"] == 1
+        return images(session)[0], session.truth(), session.inspector.geometry(2, 5)
+
+    session, fresh = (Session(scene, [GRAPH], SIZE, validation=True) for _ in range(2))
+    session.apply({"do": "reference", "source": "traced"})
+    before = looked_at(session)
+    camera_file = shaders / "scene/camera.glsl"
+    left_to_right = camera_file.read_text()
+    mirrored = left_to_right.replace("2.0 * point.x / size.x - 1.0", "1.0 - 2.0 * point.x / size.x")
+    assert mirrored != left_to_right
+    camera_file.write_text(mirrored + "\nthis is no GLSL\n")
+    with pytest.raises(UserError, match="camera.glsl"):
+        session.apply({"do": "reload"})
+    np.testing.assert_equal((session.truth(), session.inspector.geometry(2, 5)), before[1:])
+    camera_file.write_text(mirrored)
+    session.apply({"do": "reload"})
+    fresh.apply({"do": "reload"})
+    fresh.apply({"do": "reference", "source": "traced"})
+    after = looked_at(session)
+    np.testing.assert_equal(after, looked_at(fresh))
+    assert after[2] != before[2]
+
+
+def test_a_shader_that_does_not_compile_is_located_and_the_old_one_goes_on(scene, shaders, monkeypatch):
     session = Session(scene, [GRAPH], SIZE, validation=True)
     watch = Watch([GRAPH])
     edited, good = shaders / "math/random.glsl", (shaders / "math/random.glsl").read_text()

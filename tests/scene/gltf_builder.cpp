@@ -163,6 +163,13 @@ Scene load(const GltfBuilder& builder)
     return loadGltf(builder.write(scratch() / "scene.glb"));
 }
 
+glm::uvec3 fromEarliestVertex(glm::uvec3 triangle)
+{
+    while (triangle.x > triangle.y || triangle.x > triangle.z)
+        triangle = {triangle.y, triangle.z, triangle.x};
+    return triangle;
+}
+
 std::string errorOf(const GltfBuilder& builder)
 {
     return errorOf([&] { load(builder); });
@@ -258,7 +265,15 @@ GltfBuilder geometryScene()
     nlohmann::json fan = {{"mode", 6}};
     fan["attributes"]["POSITION"] =
         builder.addAccessor(std::vector<float>{0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1}, FLOAT, "VEC3");
-    fan["indices"] = builder.addAccessor(std::vector<uint8_t>{0, 1, 2, 3}, UNSIGNED_BYTE, "SCALAR");
+    // 0, 1, 2, 3: zeros, of which three are replaced by their own places.
+    const int places = builder.addView(std::vector<uint8_t>{1, 2, 3}.data(), 3);
+    fan["indices"] = builder.addAccessorJson({{"componentType", UNSIGNED_BYTE},
+                                              {"count", 4},
+                                              {"type", "SCALAR"},
+                                              {"sparse",
+                                               {{"count", 3},
+                                                {"indices", {{"bufferView", places}, {"componentType", UNSIGNED_BYTE}}},
+                                                {"values", {{"bufferView", places}}}}}});
 
     auto sparse = addSquare(builder);
     const int indices = builder.addView(std::vector<uint16_t>{1}.data(), 2);

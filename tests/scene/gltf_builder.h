@@ -71,6 +71,9 @@ std::filesystem::path scratch();
 /// Load what the builder holds, through a .glb.
 Scene load(const GltfBuilder& builder);
 
+/// A triangle's corners from its earliest vertex on, in the file's order: the reader turns them.
+glm::uvec3 fromEarliestVertex(glm::uvec3 triangle);
+
 /// The message of the Error that loading raises; fails the test when it raises none or more than one line.
 std::string errorOf(const GltfBuilder& builder);
 

@@ -1,6 +1,7 @@
 // Geometry: every accessor layout of glTF 2.0 yields the same triangles.
 #include "gltf_builder.h"
 
+#include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
 using namespace restirpg;
@@ -32,7 +33,7 @@ void expectUv(const Scene& scene, glm::vec2 first, glm::vec2 second)
 
 std::vector<glm::vec3> corners(const Scene& scene, size_t triangle)
 {
-    const auto& t = scene.triangles[triangle];
+    const auto t = fromEarliestVertex(scene.triangles[triangle]);
     return {scene.positions[t.x], scene.positions[t.y], scene.positions[t.z]};
 }
 
@@ -109,6 +110,51 @@ TEST(Accessors, SparseWithoutABufferViewStartsFromZeros)
     EXPECT_EQ(corners(load(builder), 0), (std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
 }
 
+namespace {
+
+/// The square with some of its indices replaced by a sparse part: their places, and what stands there.
+GltfBuilder squareOfSparseIndices(const std::vector<uint8_t>& places, const std::vector<uint32_t>& replacements,
+                                  bool hasBase)
+{
+    GltfBuilder builder;
+    auto primitive = addSquare(builder);
+    json accessor = {
+        {"componentType", UNSIGNED_INT},
+        {"count", 6},
+        {"type", "SCALAR"},
+        {"sparse",
+         {{"count", places.size()},
+          {"indices",
+           {{"bufferView", builder.addView(places.data(), places.size())}, {"componentType", UNSIGNED_BYTE}}},
+          {"values", {{"bufferView", builder.addView(replacements.data(), 4 * replacements.size())}}}}}};
+    if (hasBase)
+        accessor["bufferView"] = builder.addView(std::vector<uint32_t>{0, 1, 2, 0, 2, 3}.data(), 24);
+    primitive["indices"] = builder.addAccessorJson(accessor);
+    builder.addNode({{"mesh", builder.addMesh(primitive, "Square")}});
+    return builder;
+}
+
+}  // namespace
+
+TEST(Accessors, IndicesMayBeSparse)
+{
+    const std::vector<glm::vec3> lower = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
+    const auto based = load(squareOfSparseIndices({3}, {1}, true));
+    ASSERT_EQ(based.triangles.size(), 2u);
+    EXPECT_EQ(corners(based, 0), lower);
+    EXPECT_EQ(corners(based, 1), (std::vector<glm::vec3>{{1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
+    const auto zeros = load(squareOfSparseIndices({1, 2, 4, 5}, {1, 2, 2, 3}, false));
+    ASSERT_EQ(zeros.triangles.size(), 2u);
+    EXPECT_EQ(corners(zeros, 0), lower);
+    EXPECT_EQ(corners(zeros, 1), (std::vector<glm::vec3>{{0, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
+    for (const bool hasBase : {false, true}) {
+        // The next float is 16777218.
+        EXPECT_NE(errorOf(squareOfSparseIndices({3}, {16777217}, hasBase)).find("index 3 is 16777217"),
+                  std::string::npos);
+        EXPECT_NE(errorOf(squareOfSparseIndices({6}, {1}, hasBase)).find("replaces element 6 of 6"), std::string::npos);
+    }
+}
+
 TEST(Accessors, QuantizedAndStridedAttributesKeepTheirValues)
 {
     const auto scene = load(geometryScene());
@@ -132,6 +178,45 @@ TEST(Geometry, FansShareTheFirstVertex)
     ASSERT_EQ(scene.triangles.size(), 3u);
     for (size_t t = 0; t < 3; ++t)
         EXPECT_EQ(corners(scene, t)[2], glm::vec3(0, 0, 0));
+}
+
+/// Listed from each of its corners, flat and as a node stretches it, which makes another edge the longest.
+TEST(Geometry, TrianglesStartOppositeTheirLongestEdge)
+{
+    const std::vector<glm::vec3> corners = {{0, 0, 0}, {2, 0, 0}, {1.2f, 0.5f, 0}};
+    for (const auto& [height, widest] : {std::pair(1.0f, 2u), std::pair(10.0f, 1u)})
+        for (size_t first = 0; first < 3; ++first) {
+            std::vector<float> positions;
+            for (size_t i = 0; i < 3; ++i)
+                for (int axis = 0; axis < 3; ++axis)
+                    positions.push_back(corners[(first + i) % 3][axis]);
+            GltfBuilder builder;
+            json primitive;
+            primitive["attributes"]["POSITION"] = builder.addAccessor(positions, FLOAT, "VEC3");
+            builder.addNode({{"mesh", builder.addMesh(primitive)}, {"scale", {1, height, 1}}});
+            const auto scene = load(builder);
+            for (size_t i = 0; i < 3; ++i)
+                EXPECT_EQ(scene.positions[scene.triangles[0][int(i)]], corners[(widest + i) % 3])
+                    << "listed from corner " << first << ", " << height << " times as high";
+        }
+}
+
+/// Two edges are the longest: a triangle that was turned to another corner is turned back to the one it had.
+TEST(Geometry, EqualEdgesAreTakenByTheirVertices)
+{
+    GltfBuilder builder;
+    json primitive;
+    const std::vector<float> positions = {-1, 0, 0, 0, 5, 0, 1, 0, 0};
+    primitive["attributes"]["POSITION"] = builder.addAccessor(positions, FLOAT, "VEC3");
+    builder.addNode({{"mesh", builder.addMesh(primitive)}});
+    auto scene = load(builder);
+    const auto loaded = scene.triangles[0];
+    scene.nodes[0].matrix = glm::scale(glm::mat4(1), glm::vec3(10, 1, 1));
+    startAtWidestCorners(scene);
+    EXPECT_NE(scene.triangles[0], loaded);
+    scene.nodes[0].matrix.reset();
+    startAtWidestCorners(scene);
+    EXPECT_EQ(scene.triangles[0], loaded);
 }
 
 TEST(Geometry, LeftoverCornersOfATriangleListAreDropped)

@@ -26,7 +26,7 @@ Corner cornerOf(const Scene& scene, size_t instance, int corner)
     const auto& placed = scene.instances.at(instance);
     const auto& mesh = scene.meshes[placed.mesh];
     const auto pose = poseNodes(scene, 0)[placed.node];
-    const auto vertex = mesh.firstVertex + scene.triangles[mesh.firstTriangle][corner];
+    const auto vertex = mesh.firstVertex + fromEarliestVertex(scene.triangles[mesh.firstTriangle])[corner];
     const auto& attributes = scene.attributes[vertex];
     return {glm::vec3(pose * glm::vec4(scene.positions[vertex], 1)),
             glm::normalize(glm::transpose(glm::inverse(glm::mat3(pose))) * attributes.normal), attributes.tangent};
@@ -134,6 +134,18 @@ TEST(Skins, NormalsTurnWithTheirJointsAndMirroredOnesKeepTheirFront)
     EXPECT_TRUE(std::isfinite(cornerOf(squeezed.load(), 0, 0).normal.x));
 }
 
+/// The floats beside 100000 are 8 mm apart, and this joint stands between two of them.
+TEST(Skins, FarFromTheOriginKeepTheirShape)
+{
+    const json far = {{"translation", {100000.003, 0, 0}}};
+    SkinnedSquare square(far, far);
+    const auto scene = square.load();
+    for (int corner = 0; corner < 3; ++corner) {
+        const auto position = glm::dvec3(cornerOf(scene, 0, corner).position) + glm::dvec3(scene.origin);
+        EXPECT_NEAR(position.x, 100000.003 + (corner > 0 ? 1 : 0), 1e-6);
+    }
+}
+
 TEST(Skins, DamagedOnesAreErrorsOfOneLine)
 {
     SkinnedSquare square(json::object(), json::object());
@@ -199,6 +211,30 @@ TEST(Morphs, NodesOfOtherWeightsHaveShapesOfTheirOwn)
     expectNear(cornerOf(scene, 0, 0).position, {0, 0, 1});
     expectNear(cornerOf(scene, 1, 0).position, {0, 0, 0.5f});
     expectNear(cornerOf(scene, 2, 0).position, {0, 0, 8});
+}
+
+/// Colours stay in their range afterwards, and a target of three components leaves alpha.
+TEST(Morphs, ColoursAndTextureCoordinatesAreMovedToo)
+{
+    const auto vertexOf = [](const std::string& type, const std::vector<float>& colour) {
+        auto builder = morphedSquare({0.5});
+        auto& primitive = builder.json["meshes"][0]["primitives"][0];
+        std::vector<float> base, targets, shifts;
+        for (int i = 0; i < 4; ++i) {
+            base.insert(base.end(), {0.5f, 0.5f, 0.5f, 0.5f});
+            targets.insert(targets.end(), colour.begin(), colour.end());
+            shifts.insert(shifts.end(), {2, -1});
+        }
+        primitive["attributes"]["COLOR_0"] = builder.addAccessor(base, FLOAT, "VEC4");
+        primitive["targets"][0]["COLOR_0"] = builder.addAccessor(targets, FLOAT, type);
+        primitive["targets"][0]["TEXCOORD_0"] = builder.addAccessor(shifts, FLOAT, "VEC2");
+        const auto scene = load(builder);
+        return scene.attributes[fromEarliestVertex(scene.triangles[0]).x];
+    };
+    const auto three = vertexOf("VEC3", {0.5f, -4, 4}), four = vertexOf("VEC4", {0.5f, 0, 0, 0.5f});
+    EXPECT_EQ(three.color, glm::vec4(0.75f, 0, 1, 0.5f));
+    EXPECT_EQ(four.color, glm::vec4(0.75f, 0.5f, 0.5f, 0.75f));
+    EXPECT_EQ(three.uv0, glm::vec2(1, 0.5f)) << "the square's first is (0, 1)";
 }
 
 TEST(Morphs, OfAnotherCountAreErrors)

@@ -3,6 +3,7 @@
 
 #include "core/log.h"
 #include "scene/gltf.h"
+#include "scene/gltf_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -163,6 +164,11 @@ TEST(Hostile, WrongTypesAreNamed)
     expectError([](auto& b) { b.json["nodes"][0]["scale"] = {1, 1e300, 1}; }, {"nodes[0].scale"});
     expectError([](auto& b) { b.json["asset"].erase("version"); }, {"asset", "'version' is missing"});
     expectError([](auto& b) { b.json["asset"]["version"] = "1.0"; }, {"1.0"});
+    expectError([](auto& b) { b.json["asset"]["minVersion"] = "2.1"; },
+                {"asset.minVersion 2.1: only glTF 2.0 is read"});
+    expectError([](auto& b) { b.json["asset"]["minVersion"] = "3.0"; },
+                {"asset.minVersion 3.0: only glTF 2.0 is read"});
+    expectError([](auto& b) { b.json["asset"]["minVersion"] = 2; }, {"asset.minVersion", "a string"});
     expectError([](auto& b) { b.json["nodes"][0]["name"] = 3; }, {"nodes[0].name"});
 }
 
@@ -170,7 +176,8 @@ TEST(Hostile, ScenesWithoutTrianglesAreErrors)
 {
     expectError([](auto& b) { primitiveOf(b)["mode"] = 1; }, {"no triangles"});
     expectError([](auto& b) { b.json["nodes"][0].erase("mesh"); }, {"no triangles"});
-    expectError([](auto& b) { b.json["nodes"][0]["scale"] = {1e12, 1e12, 1e12}; }, {"reaches beyond"});
+    expectError([](auto& b) { b.json["nodes"][0]["scale"] = {1e12, 1e12, 1e12}; }, {"reaches beyond 3000000000 m"});
+    expectError([](auto& b) { b.json["nodes"][0]["scale"] = {3e9, 3e9, 3e9}; }, {"reaches beyond"});
 }
 
 TEST(Hostile, ImagesThatDoNotDecodeAreNamed)
@@ -225,6 +232,16 @@ TEST(Hostile, ForgedJpegsAreErrorsOrDamagedPictures)
     const auto said = saidWarnings();
     EXPECT_TRUE(std::any_of(said.begin(), said.end(),
                             [](const auto& text) { return text.find("image 0: is damaged") != text.npos; }));
+}
+
+/// Encoders write some 10 scans, whatever the size; a scan of a bomb has a few bytes.
+TEST(Hostile, JpegsMayHaveTheScansOfEncodersAtAnySize)
+{
+    using gltf::hasTooManyScans;
+    EXPECT_FALSE(hasTooManyScans(10, 16384, 16384));
+    EXPECT_FALSE(hasTooManyScans(2048, 1024, 1024));
+    EXPECT_TRUE(hasTooManyScans(17, 16384, 16384));
+    EXPECT_TRUE(hasTooManyScans(2049, 1024, 1024));
 }
 
 TEST(Hostile, BrokenDataUrisAreOneShortLine)
@@ -358,21 +375,72 @@ TEST(Hostile, DataBeyondTheHeadersSizeIsNotInflated)
     EXPECT_LT(peakKibibytes() - before, 32 << 10);
 }
 
-TEST(Hostile, AnImageThatNeedsMoreMemoryThanThereIsIsOneLine)
-{
+/// In a process that may take little memory.
+class HostileInLittleMemory : public testing::Test {
+protected:
+    void SetUp() override
+    {
 #if defined(__SANITIZE_ADDRESS__)
-    GTEST_SKIP() << "the sanitizer takes terabytes of address space";
+        GTEST_SKIP() << "the sanitizer takes terabytes of address space";
 #endif
+        getrlimit(RLIMIT_AS, &before_);
+    }
+
+    void TearDown() override
+    {
+        setrlimit(RLIMIT_AS, &before_);
+    }
+
+    void limitTo(rlim_t gibibytes) const
+    {
+        const rlimit limited = {gibibytes << 30, before_.rlim_max};
+        setrlimit(RLIMIT_AS, &limited);
+    }
+
+private:
+    rlimit before_{RLIM_INFINITY, RLIM_INFINITY};
+};
+
+TEST_F(HostileInLittleMemory, AnImageThatNeedsMoreThanThereIsIsOneLine)
+{
     const auto builder = sceneWithImage(forgedPng(8000, 8000, 16, 8 << 20));
-    rlimit unlimited{}, limited{};
-    getrlimit(RLIMIT_AS, &unlimited);
-    limited = {rlim_t(3) << 30, unlimited.rlim_max};
-    setrlimit(RLIMIT_AS, &limited);
+    limitTo(3);
     const auto message = errorOf(builder);
-    setrlimit(RLIMIT_AS, &unlimited);
     EXPECT_NE(message.find("image 0: cannot read: an image of 8000x8000 pixels needs 3.3 GiB of memory, of which 1."),
               message.npos)
         << message;
+}
+
+/// Each channel keeps a copy of its sampler's keys. No channel is large here, but all together are.
+TEST_F(HostileInLittleMemory, ManyChannelsOfOneSamplerAreRefusedBeforeTheyAreRead)
+{
+    auto builder = squareScene();
+    const int times = builder.addAccessorJson({{"componentType", FLOAT}, {"count", 1 << 15}, {"type", "SCALAR"}});
+    const int moves = builder.addAccessorJson({{"componentType", FLOAT}, {"count", 1 << 15}, {"type", "VEC3"}});
+    auto channels = json::array();
+    for (int i = 0; i < 600; ++i) {
+        const int node = builder.addNode(json::object());
+        for (const char* path : {"translation", "scale"})
+            channels.push_back({{"sampler", 0}, {"target", {{"node", node}, {"path", path}}}});
+    }
+    builder.json["animations"] = {{{"samplers", {{{"input", times}, {"output", moves}}}}, {"channels", channels}}};
+    limitTo(1);
+    const auto message = errorOf(builder);
+    EXPECT_NE(message.find("scene.glb: the animation of 1200 channels needs 750.0 MiB of memory"), message.npos)
+        << message;
+}
+
+/// An accessor without data may count a gibibyte of matrices.
+TEST_F(HostileInLittleMemory, OfInverseBindMatricesOnlyThoseOfJointsAreRead)
+{
+    auto builder = squareScene();
+    builder.json["skins"] = {
+        {{"joints", {0}},
+         {"inverseBindMatrices",
+          builder.addAccessorJson({{"componentType", FLOAT}, {"count", 1 << 24}, {"type", "MAT4"}})}}};
+    builder.addNode({{"mesh", 0}, {"skin", 0}});
+    limitTo(1);
+    EXPECT_EQ(load(builder).instances.size(), 2u);
 }
 
 /// Not damaged, and large for a machine of 16 GB: 8192 x 4096.

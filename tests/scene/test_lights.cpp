@@ -126,6 +126,26 @@ TEST(AliasTable, ThePmfIsTheOneTheFloatsRealiseAndTheWeightsAsk)
     }
 }
 
+/// Kernels compare the threshold with a fraction of 24 bits: of a lamp beside a sun, too, the pmf has to be how often
+/// it is drawn.
+TEST(AliasTable, ThePmfOfDimLightsIsHowOftenTheyAreDrawn)
+{
+    constexpr double FRACTIONS = 0x1p24;
+    for (const double dim : {12.6, 1.3e3, 1.3e5}) {
+        const std::vector<double> weights{dim, 3.1e9, 40 * dim};
+        std::vector<float> pmf;
+        const auto table = buildAliasTable(weights, pmf);
+        std::vector<double> drawn(weights.size());
+        for (const auto& column : table) {
+            const double own = std::ceil(double(column.threshold) * FRACTIONS);  // fractions below it
+            drawn[&column - table.data()] += own / FRACTIONS / 3;
+            drawn[column.alias] += (FRACTIONS - own) / FRACTIONS / 3;
+        }
+        for (size_t i = 0; i < weights.size(); ++i)
+            EXPECT_EQ(pmf[i], float(drawn[i])) << i << " of " << dim;
+    }
+}
+
 TEST(AliasTable, EqualWeightsNeedNoAlias)
 {
     std::vector<float> pmf;

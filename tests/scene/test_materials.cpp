@@ -181,11 +181,22 @@ TEST(Materials, FactorsOutsideTheirRangeAreClampedWithOneWarningAFile)
     EXPECT_TRUE(wasWarned("wild.glb: material 0 'Wild': baseColorFactor 5 lies outside of 0..1"));
 }
 
+TEST(Materials, ADarkEmitterKeepsItsTextureForAnEditThatLightsIt)
+{
+    auto builder = withMaterial({{"emissiveFactor", {0, 0, 0}}, {"emissiveTexture", {{"index", 0}}}});
+    builder.addTexture(encodePng(1, 1, {128, 128, 255, 255}));
+    const auto scene = loadGltf(builder.write(scratch() / "dark.glb"));
+    EXPECT_LT(scene.materials[0].emissiveMap.index, scene.textures.size());
+    EXPECT_EQ(scene.materials[0].flags, 0u);
+}
+
 TEST(Materials, IorBelowOneIsOneAndZeroIsTotalReflection)
 {
     EXPECT_EQ(materialOf(extensionOf("KHR_materials_ior", {{"ior", 0.5}})).ior, 1);
     EXPECT_EQ(materialOf(extensionOf("KHR_materials_ior", {{"ior", -3}})).ior, 1);
-    EXPECT_EQ(materialOf(extensionOf("KHR_materials_ior", {{"ior", 0}})).ior, 100);
+    const auto mirror = materialOf(extensionOf("KHR_materials_ior", {{"ior", 0}}));
+    EXPECT_EQ(mirror.ior, 0);
+    EXPECT_FLOAT_EQ(mirror.coatAverage, 1.0f / 21);
 }
 
 TEST(Materials, VertexAlphaAndColourArriveWithinTheirRange)

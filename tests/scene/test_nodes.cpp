@@ -67,6 +67,21 @@ TEST(Nodes, PosesOfAFarSceneAreRelativeToItsMiddle)
     EXPECT_EQ(load(squareScene()).origin, glm::vec3(0));
 }
 
+/// The file's numbers are doubles, and stay so until the origin is taken off.
+TEST(Nodes, FarOnesStandWhereTheFileSays)
+{
+    const auto placeOf = [](const json& node) {
+        GltfBuilder builder;
+        auto shown = node;
+        shown["mesh"] = builder.addMesh(addSquare(builder));
+        builder.addNode(shown);
+        const auto scene = load(builder);
+        return double(poseOf(scene, 0)[3].x) + double(scene.origin.x);
+    };
+    EXPECT_NEAR(placeOf({{"translation", {100000.003, 0, 0}}}), 100000.003, 1e-6);
+    EXPECT_NEAR(placeOf({{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 100000.003, 0, 0, 1}}}), 100000.003, 1e-6);
+}
+
 TEST(Nodes, MatricesAreColumnMajor)
 {
     const auto scene = load(animatedScene());
@@ -191,6 +206,19 @@ TEST(Animation, CubicTangentsAreScaledByTheInterval)
         {{"input", times}, {"output", output}, {"interpolation", "CUBICSPLINE"}}};
     builder.json["animations"][0]["channels"] = {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}};
     expectNear(transform(poseOf(load(builder), 0, 1), {0, 0, 0}), {2 * 3 * 0.125f, 0, 0});
+}
+
+/// Half way between two keys that floats hold, at a place that they do not.
+TEST(Animation, FarFromTheOriginDoesNotJumpFromFloatToFloat)
+{
+    auto builder = squareScene();
+    const int times = builder.addAccessor(std::vector<float>{0, 1}, FLOAT, "SCALAR");
+    const int moves = builder.addAccessor(std::vector<float>{100000, 0, 0, 100000.0078125f, 0, 0}, FLOAT, "VEC3");
+    builder.json["animations"] = {
+        {{"samplers", {{{"input", times}, {"output", moves}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}}};
+    const auto scene = load(builder);
+    EXPECT_NEAR(double(poseOf(scene, 0, 0.5f)[3].x) + double(scene.origin.x), 100000.00390625, 1e-6);
 }
 
 TEST(Animation, RotationTakesTheShorterWay)
@@ -324,6 +352,19 @@ TEST(FileLights, ArriveWithTypeColourAndCone)
     EXPECT_EQ(load(builder).punctualLights.size(), 3u);
 }
 
+TEST(FileLights, ARangeThatIsIgnoredIsNamedInAWarning)
+{
+    const auto named = [](const char* file, int light) {
+        auto builder = animatedScene();
+        builder.json["extensions"]["KHR_lights_punctual"]["lights"][light]["range"] = 4.0;
+        loadGltf(builder.write(scratch() / file));
+        return wasWarned(std::string(file) + ": the range of lights is ignored");
+    };
+    EXPECT_TRUE(named("range_of_a_point.glb", 0));
+    EXPECT_TRUE(named("range_of_a_spot.glb", 1));
+    EXPECT_FALSE(named("range_of_the_sun.glb", 2)) << "it has none";
+}
+
 TEST(Environments, ComeFromTheAssetsExtras)
 {
     const auto scene = load(animatedScene());
@@ -375,6 +416,21 @@ TEST(Environments, ASceneWithoutLightGetsAWhiteOne)
     ASSERT_TRUE(scene.environment);
     EXPECT_EQ(scene.environment->radiance, glm::vec3(1));
     EXPECT_FALSE(load(texturedScene()).environment) << "it has an emissive material";
+}
+
+TEST(Environments, ALightThatIsSwitchedOffIsALight)
+{
+    const auto squareOf = [](const json& extensions) {
+        auto builder = squareScene();
+        builder.json["materials"] = {{{"emissiveFactor", {1, 1, 1}}, {"extensions", extensions}}};
+        builder.json["meshes"][0]["primitives"][0]["material"] = 0;
+        return load(builder);
+    };
+    const auto off = squareOf({{"KHR_materials_emissive_strength", {{"emissiveStrength", 0}}}});
+    EXPECT_FALSE(off.environment);
+    EXPECT_EQ(off.materials[0].emission, glm::vec3(0));
+    EXPECT_TRUE(squareOf({{"KHR_materials_unlit", json::object()}}).environment)
+        << "it emits nothing, whatever it says";
 }
 
 TEST(Hash, DependsOnEveryByteAndNothingElse)

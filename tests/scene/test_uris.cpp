@@ -186,3 +186,22 @@ TEST_F(Uris, GlbChunksMayBePaddedAndFollowedByOthers)
         for (const bool third : {false, true})
             EXPECT_EQ(withTail(padding, third), 2u) << padding << third;
 }
+
+/// The binary chunk may be absent, and chunks of unknown types are no damage [glTF 2.0, 4.4.3].
+TEST_F(Uris, AGlbMayHaveAnotherChunkWhereItsBinaryOneCouldBe)
+{
+    auto text = readBytes(squareScene().write(folder_ / "a.gltf"));
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    std::vector<uint8_t> bytes(20);
+    const uint32_t header[5] = {0x46546c67, 2, uint32_t(20 + text.size() + 12), uint32_t(text.size()), 0x4e4f534a};
+    std::memcpy(bytes.data(), header, sizeof header);
+    bytes.insert(bytes.end(), text.begin(), text.end());
+    for (const char* part : {"\x04\x00\x00\x00", "XTRA", "abcd"})
+        bytes.insert(bytes.end(), part, part + 4);
+    writeBytes(folder_ / "b.glb", bytes);
+    EXPECT_EQ(loadGltf(folder_ / "b.glb").triangles.size(), 2u);
+    bytes[20 + text.size()] = 200;
+    writeBytes(folder_ / "b.glb", bytes);
+    const auto message = errorOf([&] { loadGltf(folder_ / "b.glb"); });
+    EXPECT_NE(message.find("second chunk of 200 bytes leaves the file"), message.npos) << message;
+}

@@ -43,8 +43,9 @@ struct Quads {
 
     Quads() { scene.materials.emplace_back(); }
 
-    /// The quad [-1, 1]^2 at z = 0, placed by `baked` in its mesh and by `node` in the world.
-    uint32_t add(const glm::mat4& baked, const glm::mat4& matrix)
+    /// The quad [-1, 1]^2 at z = 0, placed by `baked` in its mesh and by `node` in the world. Its triangles start at
+    /// their corner `first`; with 0 that is the right angle.
+    uint32_t add(const glm::mat4& baked, const glm::mat4& matrix, uint32_t first = 0)
     {
         SceneMesh mesh;
         mesh.firstVertex = uint32_t(scene.positions.size());
@@ -53,8 +54,9 @@ struct Quads {
         mesh.triangleCount = 2;
         for (const auto& corner : {glm::vec2(-1, -1), glm::vec2(1, -1), glm::vec2(1, 1), glm::vec2(-1, 1)})
             scene.positions.push_back(baked * glm::vec4(corner, 0, 1));
-        scene.triangles.push_back({0, 1, 2});
-        scene.triangles.push_back({0, 2, 3});
+        for (const auto& corners : {glm::uvec3(1, 2, 0), glm::uvec3(3, 0, 2)})
+            scene.triangles.emplace_back(corners[int(first % 3)], corners[int((first + 1) % 3)],
+                                         corners[int((first + 2) % 3)]);
         scene.meshes.push_back(mesh);
         scene.attributes.resize(scene.positions.size());
         scene.materialOfTriangle.resize(scene.triangles.size());
@@ -107,6 +109,20 @@ class ClearanceTest : public testing::TestWithParam<Case> {
 protected:
     void SetUp() override { generator.seed(5); }
 
+    /// Rays in random directions from random points of the first `instances`: none meets the instance that it left.
+    void expectNoneMeetsItself(const Scene& scene, uint32_t instances, int raysEach)
+    {
+        std::vector<Departure> departures;
+        for (uint32_t instance = 0; instance < instances; ++instance)
+            for (int ray = 0; ray < raysEach; ++ray)
+                departures.push_back({randomPoint(instance), NONE, randomDirection()});
+        const auto arrivals = leave(scene, departures);
+        size_t met = 0;
+        for (size_t i = 0; i < departures.size(); ++i)
+            met += arrivals[i].hit.instance == departures[i].from.instance;
+        EXPECT_EQ(met, 0u) << "of " << departures.size() << " rays";
+    }
+
     std::vector<Arrival> leave(const Scene& scene, const std::vector<Departure>& departures)
     {
         static_assert(sizeof(Departure) == 44 && sizeof(Arrival) == 24);
@@ -151,15 +167,7 @@ TEST_P(ClearanceTest, RaysDoNotMeetTheFlatSurfaceThatTheyLeave)
         else
             quads.add(glm::mat4(1), there * shape);
     }
-    std::vector<Departure> departures;
-    for (uint32_t instance = 0; instance < QUADS; ++instance)
-        for (int ray = 0; ray < RAYS; ++ray)
-            departures.push_back({randomPoint(instance), NONE, randomDirection()});
-    const auto arrivals = leave(quads.scene, departures);
-    size_t met = 0;
-    for (size_t i = 0; i < departures.size(); ++i)
-        met += arrivals[i].hit.instance == departures[i].from.instance;
-    EXPECT_EQ(met, 0u) << "of " << departures.size() << " rays";
+    expectNoneMeetsItself(quads.scene, QUADS, RAYS);
 }
 
 TEST_P(ClearanceTest, NothingStandsBetweenTwoSurfacesThatFaceEachOther)
@@ -193,6 +201,50 @@ TEST_P(ClearanceTest, NothingStandsBetweenTwoSurfacesThatFaceEachOther)
     // lavapipe's ray query finds some triangles before a ray's end that lie behind it: 222, whatever the clearance.
     const size_t allowed = GetParam().backend == std::string("software") ? 0 : departures.size() / 200;
     EXPECT_LE(blocked, allowed) << "of " << departures.size() << " rays";
+}
+
+/// Strips of all sizes, a ten-thousandth as wide as long, whose triangles start at any of their corners.
+TEST_P(ClearanceTest, RaysDoNotMeetTheStripThatTheyLeave)
+{
+    constexpr uint32_t STRIPS = 300;
+    constexpr int RAYS = 250;
+    Quads quads;
+    for (uint32_t i = 0; i < STRIPS; ++i) {
+        const float length = std::pow(10.0f, uniform(-2, 3));  // 1 cm to 1 km
+        const glm::vec3 place = i % 2 ? glm::vec3(0) : uniform(0, 1e4f) * randomDirection();
+        const glm::mat4 shape = glm::scale(glm::mat4(1), glm::vec3(length, 1e-4f * length, length));
+        const glm::mat4 there = glm::translate(glm::mat4(1), place) * randomTurn();
+        if (i / 3 % 2)
+            quads.add(shape, there, i % 3);
+        else
+            quads.add(glm::mat4(1), there * shape, i % 3);
+    }
+    expectNoneMeetsItself(quads.scene, STRIPS, RAYS);
+}
+
+/// The reader has turned the strip's triangles, so that rays start much closer to it than it is wide.
+TEST_P(ClearanceTest, WhatLiesCloseBehindAStripIsMet)
+{
+    constexpr int RAYS = 50;
+    for (float length : {0.01f, 1.0f, 30.0f, 1000.0f})
+        for (uint32_t first = 0; first < 3; ++first) {
+            const float width = 1e-4f * length;
+            const glm::mat4 there = glm::translate(glm::mat4(1), length * randomDirection()) * randomTurn();
+            Quads quads;
+            const auto add = [&](const glm::mat4& shape) { return quads.add(there * shape, glm::mat4(1), first); };
+            const uint32_t front = add(glm::scale(glm::mat4(1), {length, width, 1}));
+            add(glm::translate(glm::mat4(1), glm::vec3(0, 0, -0.1f * width)) *
+                glm::scale(glm::mat4(1), glm::vec3(2 * length)));
+            startAtWidestCorners(quads.scene);
+            std::vector<Departure> departures;
+            for (int ray = 0; ray < RAYS; ++ray)
+                departures.push_back(
+                    {randomPoint(front), NONE, glm::mat3(there) * glm::vec3(uniform(-1, 1), uniform(-1, 1), -1)});
+            size_t missed = 0;
+            for (const auto& arrival : leave(quads.scene, departures))
+                missed += arrival.hit.instance != front + 1;
+            EXPECT_EQ(missed, 0u) << "of " << departures.size() << " rays, " << length << " m from corner " << first;
+        }
 }
 
 TEST(BvhBuild, ThousandsOfTrianglesInOnePlaceMakeAHierarchy)

@@ -9,6 +9,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <random>
 
@@ -144,6 +145,48 @@ TEST_P(TraceTest, ClosestHitsAreEmbreesInAtLeast9999Of10000Rays)
         }
     EXPECT_GT(found, rays.size() / 4) << "the rays must hit something for this test to mean anything";
     EXPECT_GE(double(sameTriangle), 0.999 * double(found));
+}
+
+/// A ball of small triangles, near and far: rays through it meet its front, also where they pass an edge.
+TEST(SoftwareTrace, NoRayPassesBetweenTrianglesOfAClosedMesh)
+{
+    constexpr uint32_t RINGS = 64;
+    Scene scene = floorOf(1);
+    scene.positions.clear();
+    scene.triangles.clear();
+    for (uint32_t i = 0; i <= RINGS; ++i)
+        for (uint32_t j = 0; j < RINGS; ++j) {
+            const float theta = 3.14159265f * float(i) / RINGS, phi = 6.2831853f * float(j) / RINGS;
+            scene.positions.emplace_back(std::sin(theta) * std::cos(phi), std::cos(theta),
+                                         std::sin(theta) * std::sin(phi));
+        }
+    for (uint32_t i = 0; i < RINGS; ++i)
+        for (uint32_t j = 0; j < RINGS; ++j) {
+            const uint32_t a = i * RINGS + j, b = i * RINGS + (j + 1) % RINGS, c = a + RINGS, d = b + RINGS;
+            scene.triangles.emplace_back(a, c, d);
+            scene.triangles.emplace_back(d, b, a);
+        }
+    scene.meshes[0].vertexCount = uint32_t(scene.positions.size());
+    scene.meshes[0].triangleCount = uint32_t(scene.triangles.size());
+    scene.attributes.resize(scene.positions.size());
+    scene.materialOfTriangle.assign(scene.triangles.size(), 0);
+    DeviceTracer tracer(deviceOf("software"), scene, poseNodes(scene, 0));
+    for (const bool moved : {false, true}) {
+        if (moved)  // an object with a hierarchy of its own
+            tracer.move(poseNodes(scene, 0, {glm::rotate(glm::mat4(1), 0.4f, glm::vec3(1, 2, 3))}));
+        for (const float distance : {0.0f, 5.0f, 100.0f, 3000.0f}) {
+            std::vector<Ray> rays;
+            for (const Ray& ray : randomRays(50000, 1e30f)) {
+                const glm::vec3 from = distance * glm::normalize(ray.origin), to = 0.1f * ray.direction;
+                rays.push_back({from, glm::normalize(distance > 0 ? to - from : to), std::max(distance, 1.5f)});
+            }
+            const auto hits = tracer.closest(rays);
+            const auto passed = std::count_if(hits.begin(), hits.end(),
+                                              [](const auto& hit) { return hit.hit.instance == INVALID_INDEX; });
+            EXPECT_EQ(passed, 0) << "of " << rays.size() << " rays from " << distance << " m"
+                                 << (moved ? ", moved" : "");
+        }
+    }
 }
 
 TEST_P(TraceTest, AnyHitAgreesWithEmbree)

@@ -93,7 +93,7 @@ LobeValues bsdf_lobe_values(Bsdf b, vec3 wo, vec3 wi, uint mask)
     uint lobes = scattering_lobes(b, wo, wi, mask);
     vec3 diffuse = eval_diffuse(b, wo, wi);
 #if RESTIRPG_ENERGY_COMPENSATION
-    diffuse += eval_many(b, wo, wi);
+    diffuse += eval_multiple(b, wo, wi);
 #endif
     vec3 facets = eval_facets(b, wo, wi);
     return LobeValues((lobes & LOBE_DIFFUSE) != 0u ? diffuse : vec3(0.0), (lobes & ~LOBE_DIFFUSE) != 0u ? facets : vec3(0.0));

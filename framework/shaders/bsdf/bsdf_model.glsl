@@ -59,14 +59,15 @@ struct BsdfParameters {
 };
 
 #if RESTIRPG_ENERGY_COMPENSATION
-/// What the lobe of multiple scattering multiplies the losses at both directions with, over pi. All zero where nothing is rough.
+/// Coefficients k of the multiple-scattering lobe f = k L(wo) L(wi) / pi (multiple_scattering.glsl), where L(w) is the
+/// share that single scattering loses. All 0 if alpha is 0.
 struct MultipleScattering {
     Address table;
     EnergyRows near;  ///< rows of the table on wo's side
     EnergyRows far;  ///< on the other side
-    vec3 metal;  ///< times the losses of a mirror that is rough
-    vec3 reflected;  ///< times those of the dielectric
-    vec3 across;  ///< the same into the other side
+    vec3 metal;  ///< k of the metal's share, with the losses of a rough mirror; both directions on wo's side
+    vec3 reflected;  ///< k of the transmitting dielectric, with its own losses; both directions on wo's side
+    vec3 across;  ///< the same, wi on the other side
 };
 #endif
 
@@ -85,7 +86,7 @@ struct Bsdf {
     uint lobes;  ///< LOBE_* that can be non-zero
     bool solid;
 #if RESTIRPG_ENERGY_COMPENSATION
-    MultipleScattering many;
+    MultipleScattering multiple;
 #endif
 };
 
@@ -98,9 +99,19 @@ float coat_position(Bsdf b, float cosine)
     return b.eta == 0.0 ? schlick_weight(cosine) : exact;
 }
 
+/// Total internal reflection is total whatever the specular factor: light that it took off would be neither reflected nor refracted. Of rough
+/// solids with compensation that light comes back by the tables.
+bool reflects_totally(Bsdf b, float cosine)
+{
+    bool returned = RESTIRPG_ENERGY_COMPENSATION != 0 && b.alpha > 0.0;
+    return b.solid && b.eta < 1.0 && !returned && fresnel_dielectric(cosine, b.eta) >= 1.0;
+}
+
 /// Reflectance of one dielectric interface.
 vec3 coat_fresnel(Bsdf b, float cosine)
 {
+    if (reflects_totally(b, cosine))
+        return vec3(1.0);
     return clamp(mix(b.coat0, vec3(b.coat90), coat_position(b, cosine)), 0.0, 1.0);
 }
 
@@ -148,7 +159,7 @@ vec3 coat_passage(Bsdf b, float cosine)
 {
 #if RESTIRPG_ENERGY_COMPENSATION
     if (b.alpha > 0.0)
-        return 1.0 - coat_energy(b, energy_returned(b.many.table, b.many.near, cosine));
+        return 1.0 - coat_energy(b, energy_returned(b.multiple.table, b.multiple.near, cosine));
 #endif
     return 1.0 - coat_fresnel(b, coat_cosine(cosine, b.alpha));
 }
@@ -159,8 +170,7 @@ vec3 coat_passage(Bsdf b, float cosine)
 /// under roughness from below (for ior >= 1.2), so that the diffuse lobe never gains energy.
 float coat_average(BsdfParameters p, float alpha)
 {
-    float smooth_average = p.ior == 0.0 ? 1.0 / 21.0 : p.coatAverage;  // infinite ior: the mean of (1 - cos)^5
-    return smooth_average / (1.0 + alpha * (2.6 + 12.4 * alpha));
+    return p.coatAverage / (1.0 + alpha * (2.6 + 12.4 * alpha));
 }
 
 Bsdf make_bsdf(BsdfParameters p)
@@ -181,9 +191,9 @@ Bsdf make_bsdf(BsdfParameters p)
 
     vec3 average = mix(b.coat0, vec3(b.coat90), coat_average(p, b.alpha));
 #if RESTIRPG_ENERGY_COMPENSATION
-    b.many = multiple_scattering(b, p, inside);
+    b.multiple = multiple_scattering(b, p, inside);
     if (b.alpha > 0.0)
-        average = coat_energy(b, energy_mean(b.many.table, b.many.near));
+        average = coat_energy(b, energy_mean(b.multiple.table, b.multiple.near));
 #endif
     vec3 base = (1.0 - p.metallic) * p.baseColor;
     b.diffuse = inside ? vec3(0.0) : (1.0 - p.transmission) * base / max(1.0 - average, 1e-4);
@@ -192,12 +202,12 @@ Bsdf make_bsdf(BsdfParameters p)
     b.lobes = 0u;
     if (any(greaterThan(b.diffuse, vec3(0.0))))
         b.lobes |= LOBE_DIFFUSE;
-    if (p.metallic > 0.0 || b.coat90 > 0.0)
+    if (p.metallic > 0.0 || b.coat90 > 0.0 || (b.solid && b.eta < 1.0))
         b.lobes |= LOBE_REFLECT;
     if (any(greaterThan(b.transmittance, vec3(0.0))))
         b.lobes |= LOBE_TRANSMIT;
 #if RESTIRPG_ENERGY_COMPENSATION
-    if (any(greaterThan(b.many.metal + b.many.reflected + b.many.across, vec3(0.0))))
+    if (any(greaterThan(b.multiple.metal + b.multiple.reflected + b.multiple.across, vec3(0.0))))
         b.lobes |= LOBE_DIFFUSE;
 #endif
     return b;
@@ -247,8 +257,8 @@ vec3 bsdf_lobe_probabilities(Bsdf b, vec3 wo)
     vec3 weight = vec3(luminance(b.diffuse * (1.0 - coat_fresnel(b, facet))), luminance(reflect_fresnel(b, facet)),
                        luminance(transmit_fresnel(b, facet)));
 #if RESTIRPG_ENERGY_COMPENSATION
-    vec2 many = many_energy(b, wo);
-    weight.x += many.x + many.y;
+    vec2 multiple = multiple_energy(b, wo);
+    weight.x += multiple.x + multiple.y;
 #endif
     weight *= vec3(has_lobes(b.lobes));
     float sum = weight.x + weight.y + weight.z;

@@ -36,76 +36,75 @@ vec3 metal_factor(Bsdf b, float mean)
 
 /// Split of a solid's loss. The share X that crosses must satisfy X_near mean(L_near) = eta^2 X_far mean(L_far) for reciprocity;
 /// means T of a smooth interface's transmittance satisfy T_near = eta^2 T_far, so X = T min(1, mean(L_far) / mean(L_near)) does.
-void split_solid_loss(Bsdf b, float smooth_average, bool inside, inout MultipleScattering many)
+void split_solid_loss(Bsdf b, float smooth_average, bool inside, inout MultipleScattering multiple)
 {
-    vec3 near = max(dielectric_loss(b, energy_mean(many.table, many.near)), SMALLEST_LOSS);
-    vec3 far = max(dielectric_loss(b, energy_mean(many.table, many.far)), SMALLEST_LOSS);
+    vec3 near = max(dielectric_loss(b, energy_mean(multiple.table, multiple.near)), SMALLEST_LOSS);
+    vec3 far = max(dielectric_loss(b, energy_mean(multiple.table, multiple.far)), SMALLEST_LOSS);
     vec3 transmitted = 1.0 - mix(b.coat0, vec3(b.coat90), smooth_average);
     transmitted *= inside ? b.eta * b.eta : 1.0;  // T outside is given
     vec3 crossing = transmitted * min(far / near, 1.0);
-    many.reflected = (1.0 - crossing) / near;
-    many.across = crossing / (far * b.eta * b.eta);
+    multiple.reflected = (1.0 - crossing) / near;
+    multiple.across = crossing / (far * b.eta * b.eta);
 }
 
 MultipleScattering multiple_scattering(Bsdf b, BsdfParameters p, bool inside)
 {
     EnergyRows near = energy_rows(inside, p.roughness);
     EnergyRows far = energy_rows(b.solid && !inside, p.roughness);
-    MultipleScattering many = MultipleScattering(p.energyTable, near, far, vec3(0.0), vec3(0.0), vec3(0.0));
+    MultipleScattering multiple = MultipleScattering(p.energyTable, near, far, vec3(0.0), vec3(0.0), vec3(0.0));
     if (b.alpha == 0.0)
-        return many;
-    float mean = energy_mean(many.table, near).x;
-    many.metal = metal_factor(b, mean);
+        return multiple;
+    float mean = energy_mean(multiple.table, near).x;
+    multiple.metal = metal_factor(b, mean);
     float share = (1.0 - p.metallic) * p.transmission;
-    if (share == 0.0 || b.eta == 1.0)
-        return many;
-    float smooth_average = p.ior == 0.0 ? 1.0 / 21.0 : p.coatAverage;
+    if (share == 0.0 || (b.solid && b.eta == 1.0))  // a solid of ior 1 is not there
+        return multiple;
     if (b.solid) {
-        split_solid_loss(b, smooth_average, inside, many);
+        split_solid_loss(b, p.coatAverage, inside, multiple);
     } else {
-        vec3 reflected = pane_fresnel(mix(b.coat0, vec3(b.coat90), smooth_average));
+        vec3 reflected = pane_fresnel(mix(b.coat0, vec3(b.coat90), p.coatAverage));
         float lost = max(1.0 - mean, SMALLEST_LOSS);
-        many.reflected = reflected / lost;
-        many.across = (1.0 - reflected) / lost;
+        multiple.reflected = reflected / lost;
+        multiple.across = (1.0 - reflected) / lost;
     }
-    many.reflected *= share;
-    many.across *= share * p.baseColor;
-    return many;
+    multiple.reflected *= share;
+    multiple.across *= share * p.baseColor;
+    return multiple;
 }
 
 /// f of the lobe.
-vec3 eval_many(Bsdf b, vec3 wo, vec3 wi)
+vec3 eval_multiple(Bsdf b, vec3 wo, vec3 wi)
 {
     if (b.alpha == 0.0)
         return vec3(0.0);
-    vec4 o = energy_returned(b.many.table, b.many.near, wo.z);
+    vec4 o = energy_returned(b.multiple.table, b.multiple.near, wo.z);
     bool above = wi.z > 0.0;
-    vec4 i = energy_returned(b.many.table, above ? b.many.near : b.many.far, abs(wi.z));
-    vec3 f = (above ? b.many.reflected : b.many.across) * dielectric_loss(b, o) * dielectric_loss(b, i);
+    vec4 i = energy_returned(b.multiple.table, above ? b.multiple.near : b.multiple.far, abs(wi.z));
+    vec3 f = (above ? b.multiple.reflected : b.multiple.across) * dielectric_loss(b, o) * dielectric_loss(b, i);
     if (above)
-        f += b.many.metal * (1.0 - o.x) * (1.0 - i.x);
+        f += b.multiple.metal * (1.0 - o.x) * (1.0 - i.x);
     return f * INV_PI;
 }
 
 /// Luminance that the lobe scatters above (x) and across (y).
-vec2 many_energy(Bsdf b, vec3 wo)
+vec2 multiple_energy(Bsdf b, vec3 wo)
 {
     if (b.alpha == 0.0)
         return vec2(0.0);
-    vec4 o = energy_returned(b.many.table, b.many.near, wo.z);
-    vec4 near = energy_mean(b.many.table, b.many.near);
+    vec4 o = energy_returned(b.multiple.table, b.multiple.near, wo.z);
+    vec4 near = energy_mean(b.multiple.table, b.multiple.near);
     vec3 lost = dielectric_loss(b, o);
-    vec3 above = b.many.metal * (1.0 - o.x) * (1.0 - near.x) + b.many.reflected * lost * dielectric_loss(b, near);
-    vec3 across = b.many.across * lost * dielectric_loss(b, energy_mean(b.many.table, b.many.far));
+    vec3 above = b.multiple.metal * (1.0 - o.x) * (1.0 - near.x) + b.multiple.reflected * lost * dielectric_loss(b, near);
+    vec3 across = b.multiple.across * lost * dielectric_loss(b, energy_mean(b.multiple.table, b.multiple.far));
     return vec2(luminance(above), luminance(across));
 }
 
 /// How often LOBE_DIFFUSE is drawn across the surface.
 float across_probability(Bsdf b, vec3 wo)
 {
-    vec2 many = many_energy(b, wo);
-    float above = luminance(b.diffuse * (1.0 - coat_fresnel(b, coat_cosine(wo.z, b.alpha)))) + many.x;
-    return many.y > 0.0 ? clamp(many.y / (above + many.y), 0.05, 1.0) : 0.0;
+    vec2 multiple = multiple_energy(b, wo);
+    float above = luminance(b.diffuse * (1.0 - coat_fresnel(b, coat_cosine(wo.z, b.alpha)))) + multiple.x;
+    return multiple.y > 0.0 ? clamp(multiple.y / (above + multiple.y), 0.05, 1.0) : 0.0;
 }
 
 #endif

@@ -25,4 +25,19 @@ vec3 transmittance_between(ShadingPoint from, vec3 wi, float distance, ShadingPo
     return transmittance_along(from, wi, distance, to.front ? vec3(0.0) : to.absorption);
 }
 
+/// Between a primary hit and its camera, which may stand inside the solid.
+vec3 transmittance_to_camera(ShadingPoint p, vec3 camera)
+{
+    vec3 d = camera - p.position;
+    return transmittance_leaving(p, d, length(d));
+}
+
+/// The surface as the camera at that place sees it.
+ShadingPoint shade_for_camera(Surface s, vec3 camera)
+{
+    ShadingPoint p = shade_surface(s, normalize(camera - s.position));
+    p.to_camera = transmittance_to_camera(p, camera);
+    return p;
+}
+
 #endif

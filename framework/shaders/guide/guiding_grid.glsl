@@ -61,9 +61,10 @@ GuidingGrid current_grid(float cell_size, float smallest_cell)
     GuidingGrid grid;
     grid.camera = frame.c.camera.position;
     grid.scale = cell_size * 2.0 * length(frame.c.camera.up);
-    vec4 cube = position_cube();
-    grid.origin = cube.xyz;
     grid.smallest = smallest_cell * SCENE.radius;
+    // Not the cube's corner itself: a sheet through the middle of the scene would lie on borders of cells, and samples, whose positions
+    // are packed, would fall to its other side.
+    grid.origin = position_cube().xyz - 0.382 * grid.smallest;
     return grid;
 }
 
@@ -105,12 +106,15 @@ uint key_material(uint64_t key)
     return uint(key >> GUIDING_MATERIAL_SHIFT) & 0xffffu;
 }
 
-/// The middle of a key's cell.
+/// The middle of a key's cell. A fine level has more cells than its indices count, so that they start anew every 2^GUIDING_INDEX_BITS cells:
+/// of the cells of one key it is the nearest to the camera, which is where that level serves.
 vec3 key_center(GuidingGrid grid, uint64_t key)
 {
     uint mask = (1u << GUIDING_INDEX_BITS) - 1u;
     uvec3 index = uvec3(uint(key), uint(key >> GUIDING_INDEX_BITS), uint(key >> (2u * GUIDING_INDEX_BITS))) & mask;
-    return grid.origin + (vec3(index) + 0.5) * cell_side(grid, key_level(key));
+    float side = cell_side(grid, key_level(key)), period = float(mask) + 1.0;
+    vec3 turns = round(((grid.camera - grid.origin) / side - vec3(index)) / period);
+    return grid.origin + (vec3(index) + max(turns, vec3(0.0)) * period + 0.5) * side;
 }
 
 uint key_slot(uint64_t key, uint capacity)
@@ -136,8 +140,14 @@ uint find_slot(Address table, uint capacity, uint64_t key)
     return INVALID_INDEX;
 }
 
-/// The slot that served a cell in the frame before: by the cell's own key or, when the camera has moved or the level's border lies
-/// there, the key that its middle had. INVALID_INDEX: none.
+/// Do keys mean the same places in both? They do unless the scene has outgrown its sphere, or has shrunk.
+bool same_places(GuidingGrid a, GuidingGrid b)
+{
+    return a.origin == b.origin && a.smallest == b.smallest;
+}
+
+/// The slot that served a cell in the frame before: by the cell's own key or, when the camera has moved, the level's border lies there or
+/// keys mean other places now, the key that its middle had. INVALID_INDEX: none.
 uint find_previous_slot(Address guide, GuidingGrid grid, uint64_t key)
 {
     if (guide == 0ul)
@@ -145,9 +155,11 @@ uint find_previous_slot(Address guide, GuidingGrid grid, uint64_t key)
     GuidingHeader header = GuidingHeaderRef(guide).at;
     if (header.capacity == 0u)
         return INVALID_INDEX;
-    uint slot = find_slot(guide, header.capacity, key);
-    if (slot != INVALID_INDEX)
-        return slot;
+    if (same_places(header.grid, grid)) {
+        uint slot = find_slot(guide, header.capacity, key);
+        if (slot != INVALID_INDEX)
+            return slot;
+    }
     return find_slot(guide, header.capacity, guiding_key(header.grid, key_center(grid, key), key_face(key), key_material(key)));
 }
 

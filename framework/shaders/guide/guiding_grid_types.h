@@ -15,9 +15,9 @@ RESTIRPG_CONST GUIDING_LOBES = 4u;
 RESTIRPG_CONST GUIDING_PROBES = 32u;
 /// Fractional bits of the sums: integers, so that the order of the atomics does not matter [shaders/README: Fixed
 /// point].
-RESTIRPG_CONST GUIDING_FRACTION_BITS = 24u;
-/// Most that one sample weighs.
-RESTIRPG_CONST GUIDING_LARGEST_WEIGHT = 65536u;
+RESTIRPG_CONST GUIDING_FRACTION_BITS = 22u;
+/// Most that one sample weighs: 2^19 of them fit into a sum.
+RESTIRPG_CONST GUIDING_LARGEST_WEIGHT = 1u << 22u;
 
 // A key, from its lowest bits on: three indices, the level (5 bits), the face (3) and the material (16). Its top bit is
 // set, so that no key is 0.

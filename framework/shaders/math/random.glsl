@@ -32,10 +32,11 @@ RandomKey random_key(uvec2 pixel, uint frame_index, uint seed)
     return RandomKey(pixel.x | (pixel.y << 16), frame_index, seed);
 }
 
-/// The key of one of a pixel's path trees of a frame. Below 16 trees and 2^28 frames no two trees share a number.
+/// The key of one of a pixel's path trees of a frame. Below 16 trees and 2^28 frames no two trees share a number: the upper bits tell them
+/// apart. The lower ones are there because the first of a hash's four numbers hardly depends on the upper bits of its input.
 RandomKey tree_key(RandomKey key, uint tree)
 {
-    return RandomKey(key.pixel, key.frame ^ (tree << 28u), key.seed);
+    return RandomKey(key.pixel, key.frame ^ (tree << 28u) ^ (tree << 14u), key.seed);
 }
 
 /// Jarzynski & Olano 2020, "Hash Functions for GPU Rendering": a 4D -> 4D hash, all output bits usable.

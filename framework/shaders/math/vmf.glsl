@@ -19,9 +19,13 @@ float log_one_plus(float z)
 /// Of less concentration a lobe is taken for uniform: single precision would lose its shape.
 const float LEAST_KAPPA = 1e-3;
 
-/// The concentration of a mean cosine below 1, approximately.  [Banerjee et al. 2005]
+/// Near 1 a mean cosine has too few digits left to tell larger concentrations apart.
+const float LARGEST_VMF_KAPPA = 32000.0;
+
+/// The concentration of a mean cosine, approximately, at most LARGEST_VMF_KAPPA.  [Banerjee et al. 2005]
 float vmf_kappa(float mean_cosine)
 {
+    mean_cosine = min(mean_cosine, 1.0 - 1.0 / LARGEST_VMF_KAPPA);
     float kappa = mean_cosine * (3.0 - mean_cosine * mean_cosine) / (1.0 - mean_cosine * mean_cosine);
     return kappa < LEAST_KAPPA ? 0.0 : kappa;
 }

@@ -110,7 +110,7 @@ vec3 direct_contribution(ShadingPoint p, LightEdge e)
     if (e.radiance == vec3(0.0) || e.jacobian <= 0.0 || !is_consistent(p, wi, e.wi))
         return vec3(0.0);
     vec3 f = bsdf_eval(p.bsdf, p.wo, wi, LOBE_ALL);
-    return f * abs(wi.z) * e.radiance * e.jacobian * edge_transmittance(p, e);
+    return f * abs(wi.z) * e.radiance * e.jacobian * edge_transmittance(p, e) * p.to_camera;
 }
 
 /// From the surface point x to the light point at the end of its edge.

@@ -90,7 +90,7 @@ Hit anchored_hit(PathReservoir r)
 
 PathReservoir empty_path_reservoir(float confidence)
 {
-    return PathReservoir(vec3(0.0), 0.0, confidence, 0u, 0u, 0u, 0u, uvec4(0u), 1.0, uvec2(0u), vec2(0.0), 0u, 1.0, vec3(1.0));
+    return PathReservoir(vec3(0.0), 0.0, confidence, 0u, 0u, 0u, 0u, uvec4(0u), uvec2(0u), vec2(0.0), 0u, 1.0, vec3(1.0));
 }
 
 #endif

@@ -7,10 +7,10 @@ RESTIRPG_SHARED
 /// One path x_0 (camera), x_1 (primary hit), ..., x_D (light) chosen by resampling, as its pixel sees it
 /// [shaders/README: The shift and its Jacobian]. k is the index of the reconnection vertex: 2 <= k < D a surface, k = D
 /// the light point, k = 0 none (the last bounce is a delta). Bounces 1 ... k - 2 (k = 0: all) are replayed when the
-/// path is shifted. All zero: empty. 92 bytes.
+/// path is shifted. All zero: empty. 88 bytes.
 struct PathReservoir {
-    /// Light the path sends to the camera, per product of solid angles (counting measure: delta lobes, punctual
-    /// lights)
+    /// Light the path sends to the camera, per product of solid angles; of rough sharp bounces before the last per
+    /// random numbers (counting measure: delta lobes, punctual lights) [shaders/README: Measures]
     vec3 f;
     float ucw;  ///< unbiased contribution weight W; 0: carries no light
     float confidence;  ///< M: how many pixels' candidates stand behind it
@@ -19,13 +19,12 @@ struct PathReservoir {
     uint pixel;  ///< key of the candidate's random numbers, with `frame`: replays sharp bounces
     uint frame;  ///< with the tree's number, see tree_key
     uvec4 prefix;  ///< packed directions of the smooth bounces 1 to 4, world space
-    float sharpPdf;  ///< product of the densities of the replayed rough sharp bounces
     uvec2 anchor;  ///< 0 < k < D: instance and triangle of x_k; else LightPoint's instance and index
     vec2 place;  ///< barycentrics of x_k; else LightPoint::place
     uint direction;  ///< 0 < k < D: packed direction in which the path leaves x_k
     /// d(solid angle at x_{k-1}) / d(measure of x_k), up to a constant: |cos| / d^2; 1: environment, punctual
     float geometry;
-    vec3 suffix;  ///< 0 < k < D: everything beyond the bounce at x_k: bounces, absorption, light
+    vec3 suffix;  ///< 0 < k < D: what lies beyond the bounce at x_k, as in f: bounces, absorption, light
 };
 
 /// Smooth bounces whose direction is kept; a path that would have to replay a later one cannot be shifted

@@ -2,8 +2,8 @@
 // before the reconnection copy their direction, sharp ones replay their random numbers, then the path reconnects to x_k and keeps
 // everything beyond it.  [Lin et al. 2022, "Generalized Resampled Importance Sampling", hybrid shift]
 //
-// The measure is solid angle a bounce and counting for deltas and punctual lights. The Jacobian is the ratio of the geometry terms of
-// the reconnected edge times the ratio of the replayed sharp densities; no density of a guide ever enters it.
+// The measure is solid angle a bounce, of replayed sharp bounces their random numbers, and counting for deltas and punctual lights. The
+// Jacobian is the ratio of the geometry terms of the reconnected edge; no density of a guide ever enters it.
 #ifndef RESTIRPG_PATH_SHIFT_GLSL
 #define RESTIRPG_PATH_SHIFT_GLSL
 
@@ -13,7 +13,6 @@
 struct PartialPath {
     ShadingPoint point;
     vec3 f;
-    float sharp_pdf;
     vec3 wi;  ///< of the last replayed bounce
     bool found;  ///< that bounce met a surface; else the path still stands at the vertex before
     Hit hit;
@@ -21,15 +20,15 @@ struct PartialPath {
 
 PartialPath begin_path(ShadingPoint x1)
 {
-    return PartialPath(x1, vec3(1.0), 1.0, vec3(0.0), true, Hit(0u, 0u, vec2(0.0)));
+    return PartialPath(x1, x1.to_camera, vec3(0.0), true, Hit(0u, 0u, vec2(0.0)));
 }
 
-/// An edge that connects the path to what it keeps.
+/// The edge x_{k-1} -> x_k that reconnects a path, and its factors of f.
 struct Connection {
-    vec3 wi;  ///< unit, from the vertex where the path stands
-    vec3 end;  ///< of the light its radiance; of a surface f |cos| of the kept direction
-    vec3 way;  ///< absorption along the edge, times what the path keeps beyond its end
-    float geometry;
+    vec3 wi;  ///< unit direction from x_{k-1} to x_k
+    vec3 end;  ///< at x_k: the light's radiance, or the surface's f |cos| for the kept outgoing direction
+    vec3 throughput;  ///< transmittance of the edge; to a surface, times the path's suffix
+    float geometry;  ///< of the edge; the Jacobian is the ratio of the two paths' values
     ShadowRay ray;
 };
 
@@ -39,7 +38,7 @@ vec3 side_towards(ShadingPoint p, vec3 wi)
     return dot(p.normal, wi) > 0.0 ? p.normal : -p.normal;
 }
 
-/// The direction and value of a replayed bounce; false when the label does not exist here or carries nothing.
+/// The direction and value, as it is in f, of a replayed bounce; false when the label does not exist here or carries nothing.
 bool replay_bounce(PathReservoir r, uint bounce, inout PartialPath path)
 {
     uint label = path_label(r.labels, bounce);
@@ -62,11 +61,12 @@ bool replay_bounce(PathReservoir r, uint bounce, inout PartialPath path)
             return false;
         local = drawn.wi;
         path.wi = to_world(p.local_frame, local);
-        path.sharp_pdf *= drawn.pdf;  // a delta's is 1
     }
     vec3 value = bsdf_eval(p.bsdf, p.wo, local, lobes) * abs(local.z);
     if (drawn.delta)
         value = drawn.weight;
+    else if (label != LABEL_SMOOTH)
+        value /= drawn.pdf;  // its measure is its random numbers
     path.f *= value;
     return value != vec3(0.0) && is_consistent(p, local, path.wi);
 }
@@ -154,7 +154,7 @@ bool reconnect(inout PathReservoir r, PartialPath path, uint k)
     bool connected = k == path_edges(r) ? connect_to_light(r, p, c) : connect_to_surface(r, p, c);
     vec3 local = to_local(p.local_frame, c.wi);
     vec3 value = bsdf_eval(p.bsdf, p.wo, local, label_lobes(p.bsdf, path_label(r.labels, k - 1u))) * abs(local.z);
-    r.f = path.f * value * c.end * c.way;
+    r.f = path.f * value * c.end * c.throughput;
     r.geometry = c.geometry;
     return connected && is_consistent(p, local, c.wi) && r.f != vec3(0.0) && is_free(c.ray);
 }
@@ -179,8 +179,7 @@ bool shift_path(PathReservoir source, ShadingPoint x1, out PathReservoir shifted
     bool ended = k > 0u ? reconnect(shifted, path, k) : end_replay(shifted, path);
     if (!ended)
         return false;
-    shifted.sharpPdf = path.sharp_pdf;
-    jacobian = source.sharpPdf / path.sharp_pdf * shifted.geometry / source.geometry;
+    jacobian = shifted.geometry / source.geometry;
     return luminance(shifted.f) > 0.0 && jacobian > 0.0 && !isinf(jacobian);
 }
 

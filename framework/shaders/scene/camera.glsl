@@ -11,13 +11,19 @@ vec3 camera_direction(Camera camera, vec2 point, vec2 size)
     return normalize(camera.forward + ndc.x * camera.right + ndc.y * camera.up);
 }
 
-/// Where the camera sees x: pixel-plane point in xy (pixels from the top left), depth along forward in z (negative: behind).
-vec3 camera_project(Camera camera, vec3 x, vec2 size)
+/// Where the camera sees what lies in direction d, of any length: pixel-plane point in xy (pixels from the top left), depth along forward in
+/// z (negative: behind).
+vec3 camera_project_direction(Camera camera, vec3 d, vec2 size)
 {
-    vec3 d = x - camera.position;
     float z = dot(d, camera.forward);
     vec2 ndc = vec2(dot(d, camera.right) / dot(camera.right, camera.right), dot(d, camera.up) / dot(camera.up, camera.up)) / z;
     return vec3((0.5 + 0.5 * ndc.x) * size.x, (0.5 - 0.5 * ndc.y) * size.y, z);
+}
+
+/// Where the camera sees the point x.
+vec3 camera_project(Camera camera, vec3 x, vec2 size)
+{
+    return camera_project_direction(camera, x - camera.position, size);
 }
 
 #endif

@@ -62,7 +62,7 @@ struct Material {
     vec3 absorption;  ///< sigma_a inside a solid, 1/m: -log(attenuationColor) / attenuationDistance
     float transmission;
     float specular;
-    float ior;
+    float ior;  ///< 0: infinite, KHR_materials_ior's total reflection
     float coatAverage;  ///< cosine-weighted mean over the hemisphere of (F(cos) - F0) / (1 - F0) for this ior
     uint flags;  ///< MATERIAL_*
     vec3 emission;  ///< radiance, W/sr/m^2: emissiveFactor * emissiveStrength
@@ -179,11 +179,12 @@ RESTIRPG_CONST BVH_LEAF_BITS = 3u;
 /// instance.
 RESTIRPG_CONST BVH_STACK = 64u;
 
-/// A triangle as traversal reads it (Moeller-Trumbore). 48 bytes.
+/// A triangle as traversal reads it. Corners, not edges: triangles that meet in an edge have the same numbers there. 48
+/// bytes.
 struct BvhTriangle {
-    vec3 vertex;
-    vec3 edge1;
-    vec3 edge2;
+    vec3 corner0;
+    vec3 corner1;
+    vec3 corner2;
     uint instance;  ///< in the static batch: the instance it belongs to; in a mesh's own hierarchy: not used
     uint triangle;  ///< index within the mesh
     uint unused;

@@ -80,6 +80,7 @@ struct ShadingPoint {
     vec3 base_color;
     vec3 absorption;  ///< sigma_a behind the surface, 1/m; zero unless its material is a solid's
     bool front;  ///< wo is on the side the winding faces
+    vec3 to_camera;  ///< transmittance of the edge to the camera that sees the point (shade_for_camera); else 1
 };
 
 /// The normal of a normal-mapped surface, glTF's convention; on the front side.
@@ -166,6 +167,7 @@ ShadingPoint shade_surface(Surface s, vec3 wo)
     p.lobe_probabilities = bsdf_lobe_probabilities(p.bsdf, p.wo);
     p.base_color = parameters.baseColor;
     p.absorption = material.absorption;
+    p.to_camera = vec3(1.0);
     return p;
 }
 

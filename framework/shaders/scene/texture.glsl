@@ -65,15 +65,22 @@ vec4 sample_texture(uint index, vec2 uv)
     vec2 across = texel_position(uv.x, float(width), wrap_u, nearest);
     vec2 down = texel_position(uv.y, float(height), wrap_v, nearest);
     vec4 sum = vec4(0.0);
+    vec4 first;
+    vec4 spread = vec4(0.0);
     [[dont_unroll]] for (int tap = 0; tap < 4; ++tap) {
         int right = tap & 1;
         int lower = tap >> 1;
         uint x = wrap_texel(int(across.x) + right, width, wrap_u);
         uint y = wrap_texel(int(down.x) + lower, height, wrap_v);
         float weight = (right != 0 ? across.y : 1.0 - across.y) * (lower != 0 ? down.y : 1.0 - down.y);
-        sum += weight * load_texel(image, y * uint(width) + x, flags);
+        vec4 texel = load_texel(image, y * uint(width) + x, flags);
+        if (tap == 0)
+            first = texel;
+        spread = max(spread, abs(texel - first));
+        sum += weight * texel;
     }
-    return sum;
+    // The weights' sum is 1 but for rounding. Equal texels give exactly their value: an alpha may equal the cutoff, a metallicity 1.
+    return mix(sum, first, equal(spread, vec4(0.0)));
 }
 
 #endif

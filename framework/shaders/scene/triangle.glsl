@@ -80,8 +80,10 @@ vec3 point_on(WorldTriangle t, vec2 barycentrics)
 /// - x, the traversal's corners and the origin of the ray are rounded to the world's floats: 4 |x|;
 /// - x is summed from the corner and the edges, and the traversal's edges are rounded: `rounding`;
 /// - to meet an instance with a hierarchy of its own, the ray is moved to object space;
-/// - Moeller and Trumbore's test finds the height of the ray's origin over the triangle, the scalar triple product of its edges and the way
-///   to its first corner, over its cross product: 7 times the product of the three lengths, over twice the area.
+/// - the triangle test finds the height of the ray's origin over the triangle, the scalar triple product of its edges and the way to its
+///   first corner, over its cross product: 7 times the product of the three lengths, over twice the area. It is least where the first
+///   corner is opposite the longest edge, as the reader turns triangles (startAtWidestCorners of scene.h): close to 7 times the second longest
+///   edge. From the sharp corner of a long thin one it would be as many times more as the triangle is longer than wide.
 float find_clearance(WorldTriangle t, Instance placed, vec3 x, vec3 n)
 {
     mat4x3 pose = placed.objectToWorld;

@@ -5,9 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from restirpg.harness import denoised, tiles
 from restirpg.harness import reference as references
 from restirpg.harness import statistics as st
-from restirpg.harness import tiles
+from restirpg.harness.equal_cost import EqualCost
 
 METRICS = ("mape", "relmse")
 SETTLED = 0.5  # of the measured frames, the last ones, count as single frames: reuse and guide have settled
@@ -22,8 +23,13 @@ class MethodFindings:
     curves: dict  # metric -> curve; relmse without the reference's own noise; "single": MAPE of that frame alone
     gpu_ms: np.ndarray  # summed since the start, as curves
     wall_ms: np.ndarray
+    frame_ms: np.ndarray  # GPU time of a frame by seed, of tiles too: the mean over all frames
+    frame_wall_ms: np.ndarray
     flip: np.ndarray | None  # of the last frame alone, by seed; None: of tiles, or flip_evaluator is not installed
-    single: np.ndarray  # MAPE of settled single frames by seed, of all measured ones by tile; NaN where none is known
+    single: (
+        np.ndarray
+    )  # MAPE of settled single frames by seed, with `at` of all those frames; of tiles of them by tile;
+    # NaN where none is known
     equal_frame: dict  # metric -> (mean, standard error) after the last frame
     equal_time: dict  # metric -> (mean, standard error) at SceneFindings.common_ms; NaN: the first frame takes longer
     bias: st.Test  # relative to the reference's mean
@@ -41,6 +47,7 @@ class MethodFindings:
     # stacks, and "whole", the first seed's last frame
     denoised: dict = field(default_factory=dict)  # as denoised.of_runs(); empty: not asked for
     adjusted: dict = field(default_factory=dict)  # as `against`, and "bias", "blocks" -> corrected p-value
+    biased_blocks: int = 0  # after the same correction as "blocks"
 
 
 @dataclass
@@ -60,7 +67,9 @@ class SceneFindings:
     unit: str = "seed"  # of the samples that tests are paired by: "seed" or "tile"
     reference_se: dict = field(default_factory=dict)  # of tiles, by label: standard error that the reference's noise
     # gives MAPE, and its ratio to the first method's
-    brackets: dict = field(default_factory=dict)  # at equal frame time: as SceneRuns has them
+    equal_cost: EqualCost | None = None  # at equal frame time: as SceneRuns has it
+    origin: dict = field(default_factory=dict)  # given_reference.origin()
+    raised: dict = field(default_factory=dict)  # (method label, value of the knob) -> MethodFindings, not tested
 
 
 def settled_frames(errors):
@@ -70,9 +79,9 @@ def settled_frames(errors):
     return first + np.flatnonzero(~np.isnan(errors[first:]))
 
 
-def single_frames(run):
-    """Mean MAPE of a run's settled single frames; NaN if no frame's own picture is known."""
-    settled = settled_frames(run["frame_mape"])
+def single_frames(run, every=False):
+    """Mean MAPE of a run's settled single frames, or of every measured one; NaN if no frame's own picture is known."""
+    settled = np.arange(len(run["frame_mape"])) if every else settled_frames(run["frame_mape"])
     return float(np.mean(run["frame_mape"][settled])) if len(settled) else float("nan")
 
 
@@ -106,16 +115,23 @@ def analyse(scene_runs):
                 if (kind[0] == "denoised") == after
             ]
         )
-    tests = _correct(
-        [
-            entry
-            for method in methods
-            for entry in ((method, "bias", method.bias.p), (method, "blocks", _smallest_block_p(method)))
-        ]
-    )
+    tests = _correct_bias(methods)
     for scene in findings:
         scene.bias_tests = tests
     return findings
+
+
+def _correct_bias(methods):
+    """Set what is `adjusted` of bias, and `biased_blocks`; returns how many tests there are."""
+    smallest = [_smallest_block_p(method) for method in methods]
+    family = [(method, "bias", method.bias.p) for method in methods]
+    family += [(method, "blocks", p) for method, p in zip(methods, smallest)]
+    tests = _correct(family)
+    for method, own in zip(methods, smallest):
+        factor = sum(p >= own for _, _, p in family)  # by which Holm multiplies its smallest p
+        if method.adjusted["blocks"] < st.LEVEL:
+            method.biased_blocks = int(np.sum(method.block_p * method.block_p.size * factor < st.LEVEL))
+    return tests
 
 
 def _correct(family):
@@ -142,7 +158,11 @@ def _scene(runs):
     common = min(float(curve[:, -1].min()) for curve in times.values())
     if runs.at:
         common = float("nan")  # at one time, methods of different speed would show different things
-    methods = [_method(label, seeds, runs.reference, noise, subtracted, common) for label, seeds in runs.runs.items()]
+
+    def found(label, seeds):
+        return _method(label, seeds, runs.reference, noise, subtracted, common, bool(runs.at))
+
+    methods = [found(label, seeds) for label, seeds in runs.runs.items()]
     for method in methods[1:]:
         method.against = {
             (metric, mode): st.paired(_values(method, metric, mode, common), _values(methods[0], metric, mode, common))
@@ -156,7 +176,7 @@ def _scene(runs):
             method.denoised = runs.denoised[method.label]
             method.images["denoised"] = method.denoised["picture"]
         if runs.denoised and method is not methods[0]:
-            for kind in ("frame", "image"):
+            for kind in denoised.kinds(runs.at):
                 test = st.paired(method.denoised[kind], methods[0].denoised[kind])
                 method.against["denoised", kind] = test
     return SceneFindings(
@@ -171,7 +191,9 @@ def _scene(runs):
         at=runs.at,
         unit="tile" if by_tile else "seed",
         reference_se=_reference_se(runs),
-        brackets=runs.brackets,
+        equal_cost=runs.equal_cost,
+        origin=runs.origin,
+        raised={name: found(name[0], seeds) for name, seeds in runs.raised.items()},
     )
 
 
@@ -194,11 +216,11 @@ def _values(method, metric, mode, common):
     return np.array([st.at_time(times, curve, common) for times, curve in zip(method.gpu_ms, curves)])
 
 
-def _method(label, runs, truth, noise, subtracted, common):
+def _method(label, runs, truth, noise, subtracted, common, every):
     gather = {name: np.array([run[name] for run in runs]) for name in ("mape", "relmse", "bias", "gpu_ms", "wall_ms")}
     curves = {"mape": gather["mape"], "relmse": gather["relmse"] - subtracted, "bias": gather["bias"]}
     curves["single"] = np.array([run["frame_mape"] for run in runs])
-    single = np.array([single_frames(run) for run in runs])
+    single = np.array([single_frames(run, every) for run in runs])
     if "tile_mape" in runs[0]:
         curves = {name: np.mean([run[f"tile_{name}"] for run in runs], axis=0) for name in ("mape", "relmse", "bias")}
         curves["single"] = curves["mape"]
@@ -218,6 +240,8 @@ def _method(label, runs, truth, noise, subtracted, common):
         curves=curves,
         gpu_ms=gather["gpu_ms"],
         wall_ms=gather["wall_ms"],
+        frame_ms=np.array([run["gpu_ms"][-1] / run["frames"][-1] for run in runs]),
+        frame_wall_ms=np.array([run["wall_ms"][-1] / run["frames"][-1] for run in runs]),
         flip=None if "tile_mape" in runs[0] else flip([run["frame"] for run in runs], truth["mean"]),
         single=single,
         equal_frame={},

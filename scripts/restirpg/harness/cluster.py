@@ -168,7 +168,17 @@ def _settle(place):
     render.find_package()
     if str(render.native_file()) != place.native or _code(place.variables) != place.code:
         raise UserError("a Dask worker runs another build of the renderer: start the workers anew")
+    if _first_times_settings() != render.times_settings():
+        raise UserError(
+            f"a Dask worker's driver was started with another {' or '.join(render.OF_TIMES)}: start the workers anew"
+        )
     return workers.Worker(place.cache, place.at_a_time)
+
+
+@functools.lru_cache
+def _first_times_settings():
+    """Those of this process when it first took somebody's place: a driver reads the variables once."""
+    return render.times_settings()
 
 
 @functools.lru_cache

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from restirpg.harness.equal_cost import EqualCost
+
 
 @dataclass
 class SceneRuns:
@@ -16,11 +18,13 @@ class SceneRuns:
     noise: tuple = ()  # reference.noise() of each frame of `at`
     denoised: dict = field(default_factory=dict)  # method label -> denoised.of_runs(); empty: not asked for
     without: dict = field(default_factory=dict)  # of tiles: tiles.reference_errors()
-    brackets: dict = field(default_factory=dict)  # at equal frame time: method label -> equal_time.Bracket
+    equal_cost: EqualCost | None = None  # at equal frame time; None: not asked for
+    origin: dict = field(default_factory=dict)  # given_reference.origin()
+    raised: dict = field(default_factory=dict)  # (method label, value of the knob) -> results by seed, as `runs`
 
 
-def warnings_of(runs, truth):
-    """Lines about runs (method label -> results by seed) and about their reference."""
+def warnings_of(runs, references):
+    """Lines about runs (method label -> results by seed) and about their references, of which `meta` is given."""
     warnings = []
     everything = [result["meta"] for by_seed in runs.values() for result in by_seed]
     devices = {", ".join(meta["device"].values()) for meta in everything}
@@ -44,9 +48,9 @@ def warnings_of(runs, truth):
                 f"{label}: {dropped} samples were NaN, infinite or beyond 1e30 and left out of its pictures: "
                 "its mean is wrong where they were"
             )
-    if invalid := truth["meta"].get("invalid"):
+    if invalid := sum(meta.get("invalid", 0) for meta in references):
         warnings.append(f"reference: {invalid} NaN or infinite pixels of its batches count as black")
-    if dropped := truth["meta"].get("dropped"):
+    if dropped := sum(meta.get("dropped", 0) for meta in references):
         warnings.append(
             f"reference: {dropped} samples were NaN, infinite or beyond 1e30 and left out: it is wrong where they were"
         )

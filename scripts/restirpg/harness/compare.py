@@ -1,5 +1,5 @@
-"""Compare light transport methods on equal terms: same scene, seeds, bounce cap, pixel filter, clock and
-reference.
+"""Compare light transport methods on equal terms: same scene, seeds, clock and reference. A warning tells
+where methods differ in bounce cap or pixel filter.
 
     scripts/compare.py GRAPH[@SETTING=VALUE,...]... --scenes SCENE... [--size 160x90] [--frames 32] [--seeds
     8]
@@ -24,7 +24,7 @@ from restirpg.harness.comparison import PATH_TRACER, Comparison, Settings
 from restirpg.harness.jobs import made_from, parse_method
 from restirpg.harness.motion import Motion
 
-OUTPUTS = ("report.html", "tables.txt", "*.csv", "images/*.exr")  # below --out
+OUTPUTS = ("report.html", "tables.txt", "*.csv", "images/*.exr", files.WRITTEN)  # below --out
 
 
 def parse(arguments):
@@ -39,22 +39,42 @@ def parse(arguments):
         default=["out/scenes/door_ajar.glb"],
         help=".glb or .gltf (%(default)s)",
     )
-    add("--size", type=program.size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
-    add("--frames", type=program.positive, help="frames of a run (32, or the last of --at)")
+    add_options(parser)
+    add(
+        "--self-test",
+        action="store_true",
+        help="measure the harness: false alarms between equal methods, power to find a 1%% error of energy",
+    )
+    add("--trials", type=program.positive, default=60, help="of the self-test (%(default)s)")
+    return commands.parsed(parser, arguments)
+
+
+def add_options(parser, **own):
+    """How methods are compared, wherever the methods and the scenes are from. own: defaults, where they are not this
+    program's."""
+
+    def told(name, default=""):
+        """The option's default, for its help."""
+        return f" ({own.get(name, default)})" if own.get(name, default) else ""
+
+    add = parser.add_argument
+    add("--size", type=program.size, default="160x90", metavar="WxH", help="pixels (%(default)s)")
+    add("--frames", type=program.positive, help=f"frames of a run ({'' if 'at' in own else '32, or '}the last of --at)")
     add(
         "--at",
         type=program.frame_numbers,
         default=(),
         metavar="K,K,...",
         help="measure the pictures of these frames alone, each against a reference of its own time and camera, "
-        "in place of the mean of all frames",
+        f"in place of the mean of all frames{told('at')}",
     )
     add(
         "--tiles",
         type=program.positive,
         default=0,
         metavar="N",
-        help="render the reference, and measure errors, in so many random tiles of the picture alone; with --at",
+        help="render the reference, and measure errors, in so many random tiles of the picture alone; with --at"
+        + told("tiles"),
     )
     add(
         "--tile-size",
@@ -66,8 +86,9 @@ def parse(arguments):
     add(
         "--equal-frame-time",
         metavar="PASS.KNOB",
-        help="raise this whole number of each cheaper method, as reuse.neighbours, until its frame costs what the dearest "
-        "method's does, and compare single frames there",
+        help="raise this whole number of each faster method, as reuse.neighbours, until its frame costs what the slowest "
+        "method's does, and compare single frames there; what is found is kept as runs are: with another --cache times are "
+        "measured again",
     )
     add("--fps", type=program.length, default=0.0, metavar="F", help="play the scene's animation, F frames a second")
     add(
@@ -109,7 +130,7 @@ def parse(arguments):
         "--reference-frames",
         type=program.positive,
         metavar="N",
-        help="frames of the reference, over all its batches (32 times --frames)",
+        help=f"frames of the reference, over all its batches{told('reference_frames', '32 times --frames')}",
     )
     add(
         "--reference-batches",
@@ -125,13 +146,53 @@ def parse(arguments):
     )
     add("--brief", action="store_true", help="print the verdict and one narrow table; tables.txt has them all")
     program.add_runner(parser, "out/compare")
-    add(
-        "--self-test",
-        action="store_true",
-        help="measure the harness: false alarms between equal methods, power to find a 1%% error of energy",
-    )
-    add("--trials", type=program.positive, default=60, help="of the self-test (%(default)s)")
-    return commands.parsed(parser, arguments)
+    parser.set_defaults(**own)
+
+
+#: Options that the self-test reads; its pictures, runs and reference are its own.
+OF_SELF_TEST = {
+    "self_test", "trials", "methods", "scenes", "reference_graph", "bounces", "base_seed", "camera", "environment",
+    "allow_outside", "scheduler", "out", "cache",
+}  # fmt: skip
+
+
+#: Options of how a reference is rendered.
+OF_RENDERED_REFERENCE = {"reference_graph", "reference_frames", "reference_batches"}
+
+
+def refuse_ignored(options, defaults):
+    """Raise UserError where the command line has an option that would change nothing. defaults: its namespace where
+    nothing is given."""
+    given = {name for name, value in vars(defaults).items() if value != getattr(options, name)}
+    if options.self_test:
+        return _refuse_ignored_by_self_test(options, given)
+    if "trials" in given:
+        raise UserError("--trials are those of --self-test; leave it out, or add --self-test")
+    if "tile_size" in given and not options.tiles:
+        raise UserError("--tile-size is that of --tiles; leave it out, or add --tiles")
+    if options.at and options.frames and options.frames > options.at[-1]:
+        raise UserError(f"--at ends the runs after frame {options.at[-1]}, before --frames does; leave out --frames")
+    if options.reference and given & OF_RENDERED_REFERENCE:
+        raise UserError(
+            f"--reference takes the place of a rendered one; leave out {_flags(given & OF_RENDERED_REFERENCE)}"
+        )
+
+
+def _flags(names):
+    """Options as the command line has them."""
+    return ", ".join(f"--{name.replace('_', '-')}" for name in sorted(names))
+
+
+def _refuse_ignored_by_self_test(options, given):
+    if given - OF_SELF_TEST:
+        raise UserError(f"--self-test chooses its own {_flags(given - OF_SELF_TEST)}; leave out what it does not read")
+    for kind in ("methods", "scenes"):
+        if len(getattr(options, kind)) > 1:
+            raise UserError(
+                f"--self-test reads one of the {kind}, not {len(getattr(options, kind))}; leave out the others"
+            )
+    if options.methods and "reference_graph" in given:
+        raise UserError("--self-test reads --reference-graph where no method is given; leave out one of them")
 
 
 def settings_from(options):
@@ -153,17 +214,18 @@ def settings_from(options):
     )
 
 
-def compare(options, cache, pool, display):
-    """Run the comparison, print the tables and write the files. Returns the exit code."""
+def compare(options, cache, pool, display, name):
+    """Run the comparison, print the tables and write the files. name: of the program, for the report. Returns the exit
+    code."""
     started = time.monotonic()
     settings = settings_from(options)
     out = Path(options.out)
     inputs = [settings.reference, settings.environment, settings.reference_graph, *settings.scenes]
     files.refuse_inputs_among([*inputs, *(method.graph for method in settings.methods)], out, OUTPUTS)
-    from restirpg.harness import report  # here, since matplotlib takes a second: --help and mistakes need none of it
-
     comparison = Comparison(settings, cache, pool, display)
     comparison.prepare()
+    from restirpg.harness import report  # here, since matplotlib takes a second: --help and mistakes need none of it
+
     for device in dict.fromkeys(
         f"{device['name']}, {device['driver']}, {device['backend']}" for device in comparison.device.values()
     ):
@@ -171,28 +233,37 @@ def compare(options, cache, pool, display):
     findings = analysis.analyse(comparison.run())
     text = printed.as_text(findings)
     files.write(out / "tables.txt", text)
-    csv_files.write_csv(findings, out)
-    report.write_pictures(findings, out / "images")
-    report.write(findings, settings, comparison, out / "report.html")
+    beside = ["tables.txt", *csv_files.write_csv(findings, out)]
+    pictures = [f"images/{name}" for name in report.write_pictures(findings, out / "images")]
+    report.write(findings, settings, comparison, out / "report.html", name)
+    files.remove_earlier(out, ["report.html", *beside, *pictures])
     print(printed.in_brief(findings) if options.brief else text)
     for failure in comparison.failures:
         print(f"failed: {failure}", file=sys.stderr)
     print(
         f"{out / 'report.html'}: the report, after {time.monotonic() - started:.0f} s; "
-        f"tables.txt, summary.csv, runs.csv and images/*.exr lie beside it"
+        f"{', '.join(beside)}{' and images/*.exr' if pictures else ''} lie beside it"
     )
     return 1 if comparison.failures else 0
 
 
 def main(arguments):
     """The command line. Returns the exit code."""
-    options = parse(arguments)
+    return run(parse(arguments))
+
+
+def run(options, name="compare.py", defaults=None):
+    """Do what a command line's namespace says, of the program of that name. defaults: its namespace where nothing is
+    given. Returns the exit code."""
 
     def body(display):
+        refuse_ignored(options, defaults or parse([]))
         render.find_package()
         files.make_folder(options.out, "--out")
         # Nothing is timed in the self-test, and most of a small run is one core's work.
         with program.runner(options, display, os.cpu_count() if options.self_test else None) as (cache, pool):
-            return (selftest.run if options.self_test else compare)(options, cache, pool, display)
+            if options.self_test:
+                return selftest.run(options, cache, pool, display)
+            return compare(options, cache, pool, display, f"scripts/{name}")
 
-    return program.run("compare.py", body)
+    return program.run(name, body)

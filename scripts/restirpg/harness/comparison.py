@@ -8,7 +8,18 @@ from pathlib import Path
 import numpy as np
 
 import restirpg
-from restirpg.harness import UserError, denoised, equal_time, measure, reference, render, scenes, tiles
+from restirpg.harness import (
+    UserError,
+    denoised,
+    equal_cost,
+    equal_time,
+    given_reference,
+    measure,
+    reference,
+    render,
+    scenes,
+    tiles,
+)
 from restirpg.harness.collected import SceneRuns, warnings_of, with_knobs
 from restirpg.harness.jobs import Job, Method, digest, file_name, made_from, seed_of, without_places
 from restirpg.harness.motion import Motion
@@ -71,6 +82,8 @@ class Comparison:
             raise UserError("tiles cannot be denoised: leave out --denoise or --tiles")
         if settings.tiles and not settings.at:
             raise UserError("in tiles only single frames can be measured: say which, as in --at 11,12,13")
+        if settings.equal_frame_time and len(settings.methods) < 2:
+            raise UserError("--equal-frame-time compares methods: name another graph beside the only one")
         names = [Path(scene).stem for scene in settings.scenes]
         for name in names:
             if names.count(name) > 1:
@@ -162,11 +175,19 @@ class Comparison:
             )
         if settings.motion and settings.motion.fps and not facts.animation:
             warnings.append("the scene has no animation that --fps could play")
-        if len(set(filters.values()) - {None}) > 1:
-            warnings.append("the methods differ in their pixel filter (knob jitter); the reference has the first one's")
+        if settings.reference:
+            header = given_reference.check(settings.reference, facts.scene_hash, settings.size)
+            warnings += given_reference.warnings_of(
+                settings.reference, header, settings, facts.environment_hash, caps, filters
+            )
+        elif len(set(filters.values()) - {None}) > 1:
+            warnings.append(
+                "the methods differ in their pixel filter (knob jitter); the reference has the first one's: the difference "
+                "counts as error; @gbuffer.jitter=false gives all the same"
+            )
         knobs = {job.label: probes[job.label]["knobs"] for job in methods}
         raised = settings.equal_frame_time
-        if raised and all(equal_time.start_of(own, raised) is None for own in knobs.values()):
+        if raised and all(equal_cost.start_of(own, raised) is None for own in knobs.values()):
             raise UserError(
                 f"no method has a whole number '{raised}' that --equal-frame-time could raise; write it PASS.KNOB"
             )
@@ -177,6 +198,7 @@ class Comparison:
             "batches": batches,
             "warnings": warnings,
             "knobs": knobs,
+            "origin": given_reference.origin(jobs[0].scene, facts, settings),
         }
 
     def _views(self, facts):
@@ -227,27 +249,38 @@ class Comparison:
             jobs = plan["jobs"] if self.corners else [replace(job, **named) for job in plan["jobs"]]
             if not self.corners:
                 self.render(jobs)
-            brackets, added = self._equal_frame_time(plan, jobs)
-            self.display.extend(sum(cost(job) for job in added))
-            self.render(added)
-            results.append(replace(self._collect(plan, keys, [*jobs, *added]), brackets=brackets))
+            found, added = self._equal_frame_time(plan, jobs)
+            further = [job for jobs in added.values() for job in jobs]
+            self.display.extend(sum(cost(job) for job in further))
+            self.render(further)
+            collected = self._collect(plan, keys, jobs, added)
+            if found:  # a bracket of which a setting has no run is none
+                brackets = {
+                    label: bracket
+                    for label, bracket in found.brackets.items()
+                    if all(key in collected.raised for key in bracket.keys(label))
+                }
+                found = replace(found, brackets=brackets)
+            results.append(replace(collected, equal_cost=found))
         self.display.stop()
         return results
 
     def _equal_frame_time(self, plan, jobs):
-        """({label: Bracket} of the cheaper methods, the jobs of their neighbouring settings), none unless asked for."""
-        knob, brackets, added = self.settings.equal_frame_time, {}, []
+        """(an EqualCost, {(label, value): the jobs of a cheaper method with the knob raised to one of the neighbouring
+        settings}); (None, {}) unless asked for.
+        """
+        knob, brackets, added = self.settings.equal_frame_time, {}, {}
         runs = {}
         for job in jobs if knob else ():
             if result := self.cache.load(job.key):
                 runs.setdefault(job.label, []).append(result)
         if len(runs) < 2:
-            return {}, []
-        other = next(job for job in jobs if job.label == equal_time.dearest(runs))
-        for job in plan["methods"].copy():
+            return None, {}
+        other = next(job for job in jobs if job.label == equal_cost.slowest(runs))
+        for job in plan["methods"]:
             if job.label not in runs or job.label == other.label:
                 continue
-            start = equal_time.start_of(plan["knobs"][job.label], knob)
+            start = equal_cost.start_of(plan["knobs"][job.label], knob)
             if start is None:
                 plan["warnings"].append(
                     f"{job.label}: it has no {knob} to raise: its frames stay cheaper than those of {other.label}"
@@ -258,20 +291,14 @@ class Comparison:
                 if failure:
                     self.failures.append(f"{call.scene}, {call.label}: {failure}")
             answer = self.cache.load(call.key)
-            bracket = answer and equal_time.bracket_of(answer, job.label, knob)
+            bracket = answer and equal_cost.bracket_of(answer, knob)
             if not bracket:
                 continue
             brackets[job.label] = bracket
-            for label, value in zip(bracket.labels, (bracket.low, bracket.low + 1)):
-                set_to = replace(job, label=label, knobs=(*job.knobs, (knob, value)))
-                plan["methods"].append(set_to)
-                plan["knobs"][label] = _with_knob(plan["knobs"][job.label], knob, value)
-                added += [
-                    replace(set_to, seed=each.seed, reference=each.reference, references=each.references)
-                    for each in jobs
-                    if each.label == job.label
-                ]
-        return brackets, added
+            own = [each for each in jobs if each.label == job.label]
+            for key in bracket.keys(job.label):
+                added[key] = [equal_cost.raised(each, knob, start, key[1]) for each in own]
+        return equal_cost.EqualCost(other.label, brackets), added
 
     def _references(self, plan):
         """{view: key of its reference, in the cache by then, or None when it failed}."""
@@ -310,19 +337,20 @@ class Comparison:
                 self.display.message(f"failed: {self.failures[-1]}")
         return failed
 
-    def _collect(self, plan, keys, jobs):
+    def _collect(self, plan, keys, jobs, added):
         """Results by method, of the seeds that every method with any result finished: tests are paired.
 
-        keys: of the reference of each measured frame.
+        keys: of the reference of each measured frame. added: as _equal_frame_time() gives it.
         """
         truth = self.cache.need(keys[-1])
         noise = {key: reference.noise(self.cache.need(key)) for key in set(keys)} if self.settings.at else {}
         truths = [self.cache.need(key)["mean"] for key in keys] if self.corners else []
-        results = {job.label: {} for job in jobs}
-        for job in jobs:
+        named = [(job.label, job) for job in jobs] + [(name, job) for name, jobs in added.items() for job in jobs]
+        results = {name: {} for name, _ in named}
+        for name, job in named:
             result = self.cache.load(job.key)
             if result:
-                results[job.label][job.seed] = result
+                results[name][job.seed] = result
                 if self.corners:
                     measure.measure_tiles(result, truths, self.settings.tile_size)
         finished = {label: runs for label, runs in results.items() if runs}
@@ -333,7 +361,9 @@ class Comparison:
         seeds = [
             seed for seed in dict.fromkeys(job.seed for job in jobs) if all(seed in runs for runs in finished.values())
         ]
-        runs = {label: [by_seed[seed] for seed in seeds] for label, by_seed in finished.items()} if seeds else {}
+        found = {name: [by_seed[seed] for seed in seeds] for name, by_seed in finished.items()} if seeds else {}
+        runs = {name: by_seed for name, by_seed in found.items() if name not in added}
+        raised = {name: by_seed for name, by_seed in found.items() if name in added}
         descriptions = {
             job.label: with_knobs(json.loads(without_places(job.description)), plan["knobs"][job.label])
             for job in plan["methods"]
@@ -342,7 +372,8 @@ class Comparison:
         if finished and len(seeds) < self.settings.seeds:
             left_out = self.settings.seeds - len(seeds)
             warnings.append(f"{left_out} of {self.settings.seeds} seeds are left out: a run failed")
-        warnings += warnings_of(runs, truth)
+        every = {**runs, **{added[name][0].label: by_seed for name, by_seed in raised.items()}}
+        warnings += warnings_of(every, [self.cache.need(key)["meta"] for key in set(keys)])
         return SceneRuns(
             plan["scene"],
             truth,
@@ -353,6 +384,8 @@ class Comparison:
             tuple(noise[key] for key in keys if noise),
             self._denoised(plan["methods"][0], runs, truth) if self.settings.denoise and runs else {},
             self._without(plan, runs),
+            raised=raised,
+            origin=plan["origin"],
         )
 
     def _denoised(self, job, runs, truth):
@@ -364,7 +397,8 @@ class Comparison:
                 self.failures.append(f"{call.label}: {failure}")
                 return {}
         found = self.cache.need(call.key)
-        return {label: denoised.of_runs(seeds, found, truth["mean"]) for label, seeds in runs.items()}
+        at = self.settings.at
+        return {label: denoised.of_runs(seeds, found, truth["mean"], at) for label, seeds in runs.items()}
 
     def _without(self, plan, runs):
         """Of tiles: the methods' errors with one batch of the references left out at a time."""
@@ -387,9 +421,3 @@ def cost(job):
 def largest_knob(knobs, name):
     """The largest value of knob `name` over all passes, or None when no pass has it."""
     return max((values[name] for values in knobs.values() if name in values), default=None)
-
-
-def _with_knob(knobs, path, value):
-    """The knobs by pass with the one of that path set."""
-    name, _, own = path.partition(".")
-    return {**knobs, name: {**knobs[name], own: value}}

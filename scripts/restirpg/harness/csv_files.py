@@ -5,45 +5,76 @@ import io
 import math
 from pathlib import Path
 
-from restirpg.harness import equal_time, files
+from restirpg.harness import denoised, equal_cost, files
 from restirpg.harness import statistics as st
 from restirpg.harness.analysis import METRICS
 from restirpg.harness.tables import error_of, test_of
 
 
 def write_csv(findings, folder):
-    """Write runs.csv (every seed and measured frame) and summary.csv (every method) into `folder`.
-
-    Where single frames are measured, frames.csv too: every method and frame. Where they are measured in tiles,
-    tiles.csv too: every method, all frames together; `seed` counts tiles in runs.csv. Errors after denoising are in
-    denoised.csv alone.
+    """Write runs.csv and summary.csv into `folder`, and what else was asked for; scripts/README.md says what the columns
+    are. Returns the names of the files.
     """
-    folder = Path(folder)
-    if any(scene.at for scene in findings):
-        _write_frames(findings, folder / "frames.csv")
-    if any(method.denoised for scene in findings for method in scene.methods):
-        _write_denoised(findings, folder / "denoised.csv")
-    if any(scene.brackets for scene in findings):
-        _write_equal_time(findings, folder / "equal_time.csv")
-    if any(scene.unit == "tile" for scene in findings):
-        _write_tiles(findings, folder / "tiles.csv")
-    names = ("mape", "relmse", "bias")
+    wanted = {
+        "summary.csv": (_write_summary, True),
+        "runs.csv": (_write_runs, True),
+        "frames.csv": (_write_frames, any(scene.at for scene in findings)),
+        "tiles.csv": (_write_tiles, any(scene.unit == "tile" for scene in findings)),
+        "equal_time.csv": (_write_equal_time, any(scene.equal_cost for scene in findings)),
+        "equal_time_runs.csv": (_write_raised, any(scene.raised for scene in findings)),
+        "denoised.csv": (_write_denoised, any(method.denoised for scene in findings for method in scene.methods)),
+    }
+    written = [name for name, (_, is_wanted) in wanted.items() if is_wanted]
+    for name in written:
+        wanted[name][0](findings, Path(folder) / name)
+    return written
+
+
+def _write_runs(findings, file):
+    """Every seed, or tile, and measured frame."""
+    flip = any(method.flip is not None for scene in findings for method in scene.methods)
     rows = [
-        [
-            scene.scene,
-            method.label,
-            seed,
-            int(frame),
-            *(f"{method.curves[name][seed, at]:.9g}" for name in names),
-            f"{method.gpu_ms[seed, at]:.6g}",
-            f"{method.wall_ms[seed, at]:.6g}",
-        ]
+        [scene.scene, method.label, *numbers]
         for scene in findings
         for method in scene.methods
-        for seed in range(scene.seeds)
-        for at, frame in enumerate(method.frames)
+        for numbers in _run_rows(scene, method, flip)
     ]
-    _write(folder / "runs.csv", ["scene", "method", "seed", "frame", *names, "gpu_ms", "wall_ms"], rows)
+    _write(file, ["scene", "method", *_run_header(findings, flip)], rows)
+
+
+def _write_raised(findings, file):
+    """As runs.csv, of the settings between which equal_time.csv interpolates."""
+    flip = any(method.flip is not None for scene in findings for method in scene.raised.values())
+    rows = [
+        [scene.scene, label, scene.equal_cost.brackets[label].knob, value, *numbers]
+        for scene in findings
+        for (label, value), method in scene.raised.items()
+        if label in scene.equal_cost.brackets
+        for numbers in _run_rows(scene, method, flip)
+    ]
+    _write(file, ["scene", "method", "knob", "value", *_run_header(findings, flip)], rows)
+
+
+def _run_header(findings, flip):
+    own = [findings[0].unit if findings else "seed", "frame", "mape", "mape_single", "relmse", "bias"]
+    return [*own, *(["flip"] if flip else []), "gpu_ms_total", "wall_ms_total"]
+
+
+def _run_rows(scene, method, flip):
+    """The cells of _run_header() for every seed, or tile, and measured frame; FLIP is of the last frame alone."""
+    last = len(method.frames) - 1
+    for seed in range(scene.seeds):
+        for at, frame in enumerate(method.frames):
+            errors = [f"{method.curves[name][seed, at]:.9g}" for name in ("mape", "single", "relmse", "bias")]
+            if flip:
+                errors.append(f"{method.flip[seed]:.9g}" if at == last and method.flip is not None else "")
+            times = [f"{each[seed, at]:.6g}" for each in (method.gpu_ms, method.wall_ms)]
+            yield [seed, int(frame), *errors, *times]
+
+
+def _write_summary(findings, file):
+    """Every method, over all seeds."""
+    flip = any(method.flip is not None for scene in findings for method in scene.methods)
     header, rows = ["scene", "method", "common_gpu_ms"], []
     for mode in ("frame", "time"):
         for metric in METRICS:
@@ -52,6 +83,9 @@ def write_csv(findings, folder):
         "mape_single",
         "mape_single_se",
         "mape_single_p",
+        *(["flip", "flip_se"] if flip else []),
+        "gpu_ms_per_frame",
+        "gpu_ms_per_frame_se",
         "bias",
         "bias_se",
         "bias_p",
@@ -71,6 +105,9 @@ def write_csv(findings, folder):
                 for metric in METRICS:
                     row += [*values[metric], method.adjusted.get((metric, mode), float("nan"))]
             row += [*st.mean_se(method.single), method.adjusted.get(("mape", "single"), float("nan"))]
+            if flip:
+                row += st.mean_se(method.flip) if method.flip is not None else (math.nan, math.nan)
+            row += st.mean_se(method.frame_ms)
             row += [
                 method.bias.difference,
                 method.bias.se,
@@ -82,32 +119,38 @@ def write_csv(findings, folder):
                 *method.temporal,
             ]
             rows.append([value if isinstance(value, str) else f"{float(value):.9g}" for value in row])
-    _write(folder / "summary.csv", header, rows)
+    _write(file, header, rows)
 
 
 def _write_denoised(findings, file):
-    """MAPE after denoising of every seed's last frame and mean of all frames."""
+    """MAPE after denoising of every seed's last frame and, where that is another picture, of its mean of all frames."""
+    kinds = denoised.kinds(findings[0].at)
     rows = [
-        [scene.scene, method.label, seed, *(f"{method.denoised[kind][seed]:.9g}" for kind in ("frame", "image"))]
+        [scene.scene, method.label, seed, *(f"{method.denoised[kind][seed]:.9g}" for kind in kinds)]
         for scene in findings
         for method in scene.methods
         if method.denoised
         for seed in range(scene.seeds)
     ]
-    _write(file, ["scene", "method", "seed", "mape_denoised_frame", "mape_denoised_image"], rows)
+    _write(file, ["scene", "method", "seed", *(f"mape_denoised_{kind}" for kind in kinds)], rows)
 
 
 def _write_equal_time(findings, file):
-    """Single frames' MAPE at equal frame time, with the knob's value and the ratios of frame times that it lies
-    between, and the frame time in the runs that were compared, as a share of the dearest
-    method's."""
-    header = ["scene", "method", "setting", "ratio_below", "ratio_above", "time_in_runs"]
-    header += ["mape", "mape_se", "change", "change_se", "p"]
+    """Single frames' MAPE at equal frame time, with what it is interpolated from: the ratios of frame times at the two
+    settings, and their MAPE. `time_in_runs`: the frame time in the runs that were compared, as a share of the slowest
+    method's. `p` is NaN where the times are not equal."""
+    header = ["scene", "method", "setting", "ratio_below", "ratio_above", "mape_below", "mape_above"]
+    header += ["time_in_runs", "time_in_runs_se", "mape", "mape_se", "change", "change_se", "p"]
     rows = []
     for scene in findings:
-        for own in equal_time.compare(scene.brackets, scene.methods):
-            ratios = scene.brackets[own.label].ratios if own.label in scene.brackets else (1, 1)
-            numbers = [*ratios, own.time, *st.mean_se(own.values), own.ratio[0] - 1, own.ratio[1], own.p]
+        for own in equal_cost.compare(scene) if scene.equal_cost else ():
+            bracket = scene.equal_cost.brackets.get(own.label)
+            ratios = bracket.ratios if bracket else (1, 1)
+            ends = (
+                [scene.raised[key].single for key in bracket.keys(own.label)] if bracket else [own.values, own.values]
+            )
+            numbers = [*ratios, *(end.mean() for end in ends), *own.time, *st.mean_se(own.values)]
+            numbers += [own.ratio[0] - 1, own.ratio[1], own.p]
             rows.append([scene.scene, own.label, own.setting, *(f"{float(value):.9g}" for value in numbers)])
     _write(file, header, rows)
 
@@ -126,8 +169,8 @@ def _write_tiles(findings, file):
         "change_se",
         "change_reference_se",
         "p",
-        "gpu_ms",
-        "wall_ms",
+        "gpu_ms_per_frame",
+        "wall_ms_per_frame",
     ]
     rows = []
     for scene in findings:
@@ -142,7 +185,7 @@ def _write_tiles(findings, file):
                 against,
                 method.adjusted.get(("mape", "single"), math.nan),
             ]
-            times = [float(each[:, -1].mean() / method.frames[-1]) for each in (method.gpu_ms, method.wall_ms)]
+            times = [float(each.mean()) for each in (method.frame_ms, method.frame_wall_ms)]
             rows.append(
                 [
                     scene.scene,

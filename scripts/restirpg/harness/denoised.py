@@ -43,10 +43,16 @@ def call(job):
     )
 
 
-def of_runs(runs, found, truth):
-    """What denoising makes of a method's runs: MAPE by seed of the last "frame" and of the "image", the mean of all;
-    "picture", the first seed's last frame. found: what `features` gave; truth: the reference (H, W, 3)."""
-    errors = {"frame": [], "image": []}
+def kinds(at):
+    """The pictures of a run that are denoised: the last "frame", and the "image", the mean of all, unless frames `at`
+    are measured alone: then both are the same."""
+    return ("frame",) if at else ("frame", "image")
+
+
+def of_runs(runs, found, truth, at=()):
+    """What denoising makes of a method's runs: MAPE by seed of each of kinds(at); "picture", the first seed's last
+    frame. found: what `features` gave; truth: the reference (H, W, 3)."""
+    errors = {kind: [] for kind in kinds(at)}
     first = None
     for run in runs:
         for kind, by_seed in errors.items():

@@ -2,6 +2,8 @@
 
 import contextlib
 import glob
+import hashlib
+import json
 import os
 import socket
 from pathlib import Path
@@ -10,6 +12,7 @@ from restirpg.harness import UserError
 
 _HOST = socket.gethostname()
 _PART = ".part"  # ends the name of a file that is being written
+WRITTEN = "written.json"  # of a folder: {file that a program wrote there last time: digest of its content}
 
 
 def _part_of(file):
@@ -51,6 +54,30 @@ def make_folder(folder, option):
         if host.endswith(f".{_HOST}") and process.isdigit() and not Path(f"/proc/{process}").exists():
             with contextlib.suppress(OSError):
                 part.unlink()
+
+
+def _digest(file):
+    with open(file, "rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def remove_earlier(folder, written):
+    """Remove what the program wrote below `folder` the last time and not now, and note what it wrote now.
+
+    written: files relative to `folder`. A file that has been changed since, or that no program noted, stays. Raises
+    UserError.
+    """
+    folder = Path(folder)
+    try:
+        earlier = dict(json.loads((folder / WRITTEN).read_text()))
+    except (OSError, ValueError, TypeError):
+        earlier = {}
+    for name in earlier.keys() - set(written):
+        file = folder / name
+        with contextlib.suppress(OSError):
+            if file.resolve().is_relative_to(folder.resolve()) and _digest(file) == earlier[name]:
+                file.unlink()
+    write(folder / WRITTEN, json.dumps({name: _digest(folder / name) for name in written}, indent=1) + "\n")
 
 
 def prepare(file, inputs, option):

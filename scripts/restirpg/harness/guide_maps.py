@@ -34,10 +34,11 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 class Point:
-    """A surface point: `position` (3,), `frame` (3, 3) whose last row is the normal, `key` of its cell."""
+    """A surface point: `position` (3,) in the world, `place` (3,) as kernels have it, from the scene's origin on,
+    `frame` (3, 3) whose last row is the normal, `key` of its cell."""
 
-    def __init__(self, position, normal, key):
-        self.position, self.key = position, key
+    def __init__(self, position, place, normal, key):
+        self.position, self.place, self.key = position, place, key
         tangent = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
         tangent /= np.linalg.norm(tangent)
         self.frame = np.stack([tangent, np.cross(normal, tangent), normal])
@@ -115,7 +116,7 @@ def splatted(renderer, port, grid, raw=False):
 
 
 def find_points(renderer, grid, pixels, size, strict=True):
-    """The points that the pixels see.
+    """The points that the pixels see. grid: of the frame that the renderer made last.
 
     Where a pixel shows no surface UserError is raised, or, unless `strict`, the next one towards the
     picture's middle that does is taken.
@@ -136,11 +137,12 @@ def find_points(renderer, grid, pixels, size, strict=True):
             raise UserError(f"pixel {x} {y} shows no surface; give one of the {width}x{height} that does")
         across, down = (2 * (x + 0.5) / width - 1) * width / height, 1 - 2 * (y + 0.5) / height
         ray = forward + extent * (across * right + down * np.cross(right, forward))
-        position = camera["position"] + images["depth"][y, x, 0] * ray
+        away = images["depth"][y, x, 0] * ray
+        position, place = camera["position"] + away, grid.camera + away
         normal = images["normal"][y, x].astype(float)
         axis = np.abs(normal).argmax()
         face, material = np.array([2 * axis + (normal[axis] < 0)]), images["material"][y, x].astype(int)
-        points.append(Point(position, normal, int(grid.keys(position[None], face, material)[0][0])))
+        points.append(Point(position, place, normal, int(grid.keys(place[None], face, material)[0][0])))
     return points
 
 

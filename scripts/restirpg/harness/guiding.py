@@ -97,7 +97,9 @@ def unpack_direction(bits):
 @dataclass
 class Grid:
     """Keys of a frame: `camera` (3,), `scale`: largest side over distance, `origin` (3,), `smallest` side, m,
-    `radius` of the scene, m: the grid's cube has POSITION_EXTENT of it, from `origin` on."""
+    `radius` of the scene, m: packed positions lie in a cube of POSITION_EXTENT of it, from `corner` on.
+
+    All places are as kernels have them: of a scene that lies far off, relative to its middle (Scene::origin)."""
 
     camera: np.ndarray
     scale: float
@@ -105,12 +107,17 @@ class Grid:
     smallest: float
     radius: float
 
+    @property
+    def corner(self):
+        """Cells begin a part of the smallest before the cube, so that no sheet through its middle is on a border."""
+        return self.origin + 0.382 * self.smallest
+
     def positions(self, packed):
         """Points (n, 3) of positions of 3 x POSITION_BITS."""
         packed, mask = np.asarray(packed, np.uint64), np.uint64((1 << POSITION_BITS) - 1)
         steps = [packed >> np.uint64(POSITION_BITS * axis) & mask for axis in range(3)]
         share = (np.stack(steps, -1).astype(float) + 0.5) / 2**POSITION_BITS
-        return self.origin + share * POSITION_EXTENT * self.radius
+        return self.corner + share * POSITION_EXTENT * self.radius
 
     def keys(self, points, face, material):
         """Keys (n,) and whether rounding may make the GPU see another cell: within 1e-6 radii of a border, or
@@ -126,12 +133,20 @@ class Grid:
         near = np.abs(place - np.round(place)) * self.side(level)[:, None] < 1e-6 * self.radius
         return key | np.uint64(1 << 63), near.any(-1) | (np.abs(exact - np.round(exact)) < 1e-5)
 
+    def same_places(self, other):
+        """Whether keys of both mean the same places: they do unless the scene's sphere has changed."""
+        return self.smallest == other.smallest and np.array_equal(self.origin, other.origin)
+
     def side(self, level):
         return self.smallest * 2.0 ** np.asarray(level)
 
     def center(self, key):
-        index = np.array([key >> INDEX_BITS * axis & (1 << INDEX_BITS) - 1 for axis in range(3)])
-        return self.origin + (index + 0.5) * self.side(level_of(key))
+        """The middle (3,) of a key's cell: of the cells whose indices are the same, the nearest to the camera."""
+        period = 1 << INDEX_BITS
+        index = np.array([key >> INDEX_BITS * axis & period - 1 for axis in range(3)])
+        side = self.side(level_of(key))
+        turns = np.round(((self.camera - self.origin) / side - index) / period)
+        return self.origin + (index + np.maximum(turns, 0) * period + 0.5) * side
 
 
 def level_of(key):

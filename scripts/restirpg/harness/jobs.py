@@ -45,8 +45,9 @@ class Method:
     backend: str | None = None
 
 
-def parse_method(text):
-    """Read `GRAPH[@SETTING=VALUE,...]`; settings are knobs, or label, output, device and backend."""
+def parse_method(text, useless=()):
+    """Read `GRAPH[@SETTING=VALUE,...]`; settings are knobs, or label, output, device and backend. useless: those that the
+    program would ignore."""
     graph, _, settings = text.partition("@")
     if not Path(graph).is_file():
         raise UserError(f"{graph}: no such graph file")
@@ -55,6 +56,8 @@ def parse_method(text):
         name, equals, value = setting.partition("=")
         if not equals or not name:
             raise UserError(f"{text}: '{setting}' is not NAME=VALUE, as in {graph}@paths.bounces=4,label=short")
+        if name in useless:
+            raise UserError(f"{text}: '{name}' changes nothing here; leave it out")
         if name in ("label", "output", "device", "backend"):
             special[name] = value
         else:
@@ -72,7 +75,8 @@ def file_name(label):
 
 
 def knob_value(text):
-    """The value of a knob written on a command line: a JSON number or boolean, else the text itself."""
+    """The value of a knob written on a command line: a JSON number or boolean, else the text itself. The knob's type
+    decides what that means, see render.apply_knobs()."""
     try:
         value = json.loads(text)
     except (ValueError, RecursionError):
@@ -160,13 +164,13 @@ class Call:
     allow_outside: bool = False  # the scene may read files that lie outside of its own folder
     label: str = field(default="", compare=False)  # for messages
     camera: int = 0
-    environment: str | None = None  # in place of the scene's; its content is part of scene_hash
+    environment: str | None = None  # in place of the scene's; scene_hash has the content of a file alone
 
     @property
     def key(self):
         """32 hexadecimal digits of the call's content."""
         function = f"{self.function.__module__}.{self.function.__qualname__}"
-        content = [function, self.scene_hash, self.settings, self.code, *([self.camera] if self.camera else [])]
+        content = [function, self.scene_hash, self.settings, self.code, *filter(None, [self.camera, self.environment])]
         return digest(json.dumps(content).encode())
 
 

@@ -30,6 +30,17 @@ from matplotlib import pyplot  # noqa: E402
 
 # Okabe and Ito's palette: told apart by readers of every colour vision.
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#F0E442"]
+LINES = ["-", "--", "-.", ":"]  # of as many times eight curves
+
+
+def _look(number):
+    """Colour and line of the curve with that number: no two of the first 32 look alike."""
+    return {
+        "color": COLOURS[number % len(COLOURS)],
+        "linestyle": LINES[number // len(COLOURS) % len(LINES)],
+    }
+
+
 TITLES = {
     "mape": "MAPE, %",
     "single": "MAPE of single frames, %",
@@ -47,11 +58,12 @@ def _svg(figure):
     return text[text.index("<svg") :]
 
 
-def _curve(axes, x, values, colour, label):
+def _curve(axes, x, values, number, label):
     mean, se = st.mean_se(values)
-    axes.plot(x, mean, color=colour, label=label, linewidth=1.4, marker="o" if len(x) == 1 else None)
+    look = _look(number)
+    axes.plot(x, mean, **look, label=label, linewidth=1.4, marker="o" if len(x) == 1 else None)
     if np.all(np.isfinite(se)):
-        axes.fill_between(x, mean - se, mean + se, color=colour, alpha=0.25, linewidth=0)
+        axes.fill_between(x, mean - se, mean + se, color=look["color"], alpha=0.25, linewidth=0)
 
 
 def log_axis(axis):
@@ -85,7 +97,7 @@ def error_curves(scene, metric, over):
         values = method.curves[metric] * (100 if metric in PERCENT else 1)
         known = ~np.isnan(values).any(axis=0)  # of a frame alone it is not, where the one before was not read
         x, values = x[known], values[:, known]
-        _curve(axes, x, values, COLOURS[number % len(COLOURS)], method.label)
+        _curve(axes, x, values, number, method.label)
         positive &= bool(values.size and np.all(values.mean(axis=0) > 0))
     axes.set_yscale("log" if positive else "linear")
     if positive:
@@ -106,7 +118,7 @@ def bias_curves(scene):
     """Signed bias of the mean over frames, in percent, with the reference's own 95% band in grey."""
     figure, axes = pyplot.subplots(figsize=(4.15, 3.0))
     for number, method in enumerate(scene.methods):
-        _curve(axes, method.frames, 100 * method.curves["bias"], COLOURS[number % len(COLOURS)], method.label)
+        _curve(axes, method.frames, 100 * method.curves["bias"], number, method.label)
     band = 196 * scene.noise["relative_se"]
     axes.axhspan(-band, band, color="#888", alpha=0.2, linewidth=0, label="reference ± 95%")
     _frame_axis(axes, scene)

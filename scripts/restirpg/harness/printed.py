@@ -51,6 +51,8 @@ def in_brief(findings):
         console.print(f"\n{scene.scene}, {scene.seeds} {scene.unit}s", style="bold")
         if sentence := verdict_sentence(scene):
             console.print(sentence)
+        for warning in scene.warnings:
+            console.print(f"warning: {warning}")
         title, mode = "one frame", "single"
         if scene.at and scene.unit == "seed":
             title, mode = f"frame {scene.at[-1]}", test_of(scene, scene.at[-1])
@@ -64,7 +66,7 @@ def in_brief(findings):
         table.add_column("ms/frame", justify="right", no_wrap=True)
         for method in scene.methods:
             cells = [_short(method, metric, kind) for _, metric, kind in columns]
-            table.add_row(method.label, *cells, f"{st.mean_se(method.gpu_ms[:, -1] / method.frames[-1])[0]:.0f}")
+            table.add_row(method.label, *cells, f"{method.frame_ms.mean():.0f}")
         console.print(table)
     unit = findings[0].unit if findings else "seed"
     console.print(
@@ -77,4 +79,5 @@ def _short(method, metric, mode):
     """An error in percent to one place, with a star where the method was told apart from the first."""
     value, error = (100 * number for number in error_of(method, metric, mode))
     mark = "*" if method.adjusted.get((metric, mode), 1) < st.LEVEL else " "
-    return "—" if math.isnan(value) else f"{value:.1f} ± {error:.1f}% {mark}"
+    spread = "" if math.isnan(error) else f" ± {error:.1f}"
+    return "—" if math.isnan(value) else f"{value:.1f}{spread}% {mark}"

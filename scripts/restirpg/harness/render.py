@@ -13,6 +13,7 @@ import numpy as np
 import restirpg
 from restirpg.harness import Halt, UserError
 from restirpg.harness.jobs import digest
+from restirpg.nearest import did_you_mean
 
 PACKAGE = Path(__file__).resolve().parents[1]
 ROOT = PACKAGE.parents[1]
@@ -46,10 +47,13 @@ MEASURING = (
     "harness/guiding.py", "harness/measure.py", "harness/motion.py", "harness/paper/figure_4.py", "harness/reference.py",
     "harness/render.py", "harness/statistics.py", "harness/tiles.py", "records.py",
 )  # fmt: skip
+#: Environment variables of lavapipe that the times of frames depend on, and what each is where it is not set.
+#: preferNarrowVectors() in logical_device.cpp sets the first.
+OF_TIMES = {"LP_NATIVE_VECTOR_WIDTH": "128", "LP_NUM_THREADS": "", "GALLIVM_PERF": ""}
 #: Environment variables that results depend on: whence shaders and passes are taken, and what slows a frame.
 #: RESTIRPG_PYTHON and RESTIRPG_BUILD decide what a graph's description and the package are, which count themselves;
 #: RESTIRPG_CACHE_DIR holds compiled kernels, named by their content.
-VARIABLES = ("RESTIRPG_SHADERS", "RESTIRPG_PLUGIN_PATH", "RESTIRPG_VALIDATION")
+VARIABLES = ("RESTIRPG_SHADERS", "RESTIRPG_PLUGIN_PATH", "RESTIRPG_VALIDATION", *OF_TIMES)
 CODE = {".so", ".py", ".glsl", ".comp", ".h"}
 
 
@@ -65,20 +69,27 @@ def _code_files():
     yield from ((name, PACKAGE / name) for name in MEASURING)
 
 
+def times_settings():
+    """((variable, value), ...) of those of OF_TIMES that are not as usual."""
+    found = {name: os.environ.get(name, usual) for name, usual in OF_TIMES.items()}
+    return tuple((name, value) for name, value in found.items() if value != OF_TIMES[name])
+
+
 @functools.lru_cache(maxsize=1)
-def _code_version(found, validation):
+def _code_version(found, validation, times):
     contents = [(name, digest(Path(file).read_bytes())) for name, file, *_ in found]
-    return digest(json.dumps([contents, validation]).encode())
+    return digest(json.dumps([contents, validation, *times]).encode())
 
 
 def code_version():
-    """Hash of what results depend on, plugins and shaders among it: those of other code are not reused.
+    """Hash of what results depend on, plugins and shaders among it: those of other code are not reused, nor those of a
+    driver that was set otherwise.
 
     Files are read again when they have changed.
     """
     stats = ((name, file, file.stat()) for name, file in _code_files())
     found = tuple((name, str(file), stat.st_mtime_ns, stat.st_size, stat.st_ino) for name, file, stat in stats)
-    return _code_version(found, os.environ.get("RESTIRPG_VALIDATION", "0") not in ("", "0"))
+    return _code_version(found, os.environ.get("RESTIRPG_VALIDATION", "0") not in ("", "0"), times_settings())
 
 
 def check_code(code):
@@ -136,6 +147,35 @@ def _load_scene(file, camera, environment, allow_outside):
     return digest(scene.hash.encode() + before), scene
 
 
+#: How a command line writes that a knob is on or off, as framework/graph/knob.cpp has it.
+SWITCHES = {"true": True, "1": True, "on": True, "yes": True, "false": False, "0": False, "off": False, "no": False}
+
+
+def apply_knobs(renderer, knobs, graph):
+    """Set the `knobs` of a Method or Job, whose graph is `graph`; raises UserError where no pass has one.
+
+    Values are read as by `restirpg render --set`, by the type that the knob has.
+    """
+    for name, value in knobs:
+        own = {f"{entry}.{knob}": now for entry, knobs in renderer.knobs().items() for knob, now in knobs.items()}
+        meant = [knob for knob in own if knob == name or knob.endswith(f".{name}")]
+        value = _of_type(own[meant[0]], value) if meant else value
+        if "." in name:
+            renderer.set(name, value)
+        elif renderer.set_everywhere(name, value) == 0:
+            names = {knob.partition(".")[2] for knob in own}
+            raise UserError(f"{graph}: no pass has a knob '{name}'{did_you_mean(name, sorted(names))}")
+
+
+def _of_type(now, value):
+    """A knob's value as the knob's type has it, told by its value `now`; else as it is, and the renderer refuses it."""
+    if isinstance(now, bool):
+        return SWITCHES.get(str(value).lower(), value)
+    if isinstance(now, str) and not isinstance(value, str):
+        return json.dumps(value)
+    return value
+
+
 def make_renderer(job):
     """The job's scene, graph and knobs as a restirpg.Renderer that has not rendered yet."""
     renderer = restirpg.Renderer(
@@ -149,11 +189,7 @@ def make_renderer(job):
         window=(*job.tiles[0], job.tile, job.tile) if job.windows else None,
         bounces=job.bounces,
     )
-    for name, value in job.knobs:
-        if "." in name:
-            renderer.set(name, value)
-        elif renderer.set_everywhere(name, value) == 0:
-            raise UserError(f"{job.graph}: no pass has a knob '{name}'")
+    apply_knobs(renderer, job.knobs, job.graph)
     if job.output not in renderer.output_names:
         raise UserError(f"{job.graph}: no output '{job.output}'; there are: {', '.join(renderer.output_names)}")
     return renderer
@@ -249,6 +285,12 @@ def read_exr(file):
     """An EXR's R, G, B as float32 (H, W, 3); raises UserError."""
     with refusals():
         return np.asarray(restirpg.read_exr(file), np.float32)
+
+
+def read_exr_header(file):
+    """{attribute: text} of an EXR; raises UserError."""
+    with refusals():
+        return dict(restirpg.read_exr_attributes(file))
 
 
 def write_exr(file, layers, attributes):

@@ -14,8 +14,9 @@ import jinja2
 import numpy as np
 
 import restirpg
-from restirpg.harness import files, plots, render, tables
+from restirpg.harness import files, given_reference, plots, render, tables
 from restirpg.harness import statistics as st
+from restirpg.harness.comparison import largest_knob
 from restirpg.harness.jobs import file_name
 from restirpg.harness.paper import pictures
 
@@ -188,8 +189,24 @@ ENERGY = {
 }
 
 
-def _provenance(settings, comparison):
-    rows = provenance("scripts/compare.py", comparison.code, comparison.device.values())
+def _caps(settings, comparison):
+    """[(name, value)] of the bounce cap that all runs have, or that those of each scene have."""
+    if settings.bounces is not None:
+        return [("bounce cap", str(settings.bounces))]
+    rows = []
+    for plan in comparison.plans:
+        of_scene = plan["methods"][0].bounces is not None
+        caps = {label: largest_knob(own, "bounces") for label, own in plan["knobs"].items()}
+        caps = {label: cap for label, cap in caps.items() if cap is not None}
+        alike = len(set(caps.values())) == 1
+        told = str(next(iter(caps.values()))) if alike else ", ".join(f"{label} {cap}" for label, cap in caps.items())
+        whose = "the scene's own" if of_scene else "the graphs' own"
+        rows.append((f"bounce cap of {plan['scene']}", f"{told or 'none'} ({whose})"))
+    return rows
+
+
+def _provenance(settings, comparison, program):
+    rows = provenance(program, comparison.code, comparison.device.values())
     rows += [
         (
             "size, frames, seeds",
@@ -198,7 +215,7 @@ def _provenance(settings, comparison):
         *_motion(settings),
         ("seeds", ", ".join(map(str, comparison.seeds()))),
         ("rough surfaces", ENERGY[settings.energy_compensation]),
-        ("bounce cap", "the scene's or the graph's own" if settings.bounces is None else str(settings.bounces)),
+        *_caps(settings, comparison),
     ]
     rows += [
         (
@@ -226,9 +243,9 @@ def _encoded(charts):
     return [(title, base64.b64encode(svg.encode()).decode()) for title, svg in charts]
 
 
-def scene_views(findings, folder=None):
-    """What scene.html.j2 shows: (one dictionary per scene, what all scenes of the page share). folder: of the EXR
-    files, beside the page; None: there are none."""
+def scene_views(findings, family, folder=None):
+    """What scene.html.j2 shows: (one dictionary per scene, what all scenes of the page share). family: over whose
+    methods and scenes tests were corrected, in words. folder: of the EXR files, beside the page; None: there are none."""
     kinds = _kinds_within_budget(findings)
     scenes = [
         {
@@ -248,6 +265,7 @@ def scene_views(findings, folder=None):
     ]
     maps = {"error": plots.colour_map("inferno"), "signed": plots.colour_map("RdBu_r")}
     return scenes, {
+        "family": family,
         "exr_folder": folder,
         "style": (FOLDER / "report.css").read_text(),
         "script": (FOLDER / "viewer.js").read_text(),
@@ -259,14 +277,14 @@ def scene_views(findings, folder=None):
     }
 
 
-def write(findings, settings, comparison, file):
-    """Write the report of `findings` to `file`."""
-    scenes, shared = scene_views(findings, "images")
+def write(findings, settings, comparison, file, program):
+    """Write the report of `findings` to `file`. program: which was called for it."""
+    scenes, shared = scene_views(findings, "the report", "images")
     text = template("report.html.j2").render(
         title=", ".join(method.label for method in settings.methods),
         scenes=scenes,
         failures=comparison.failures,
-        provenance=_provenance(settings, comparison),
+        provenance=_provenance(settings, comparison, program),
         **shared,
     )
     files.write(file, text)
@@ -276,26 +294,25 @@ def write_pictures(findings, folder):
     """Write SCENE.METHOD.exr, references too: the first seed's picture; as layers the seeds' mean, the last frame
     alone, and that frame denoised where it was.
 
-    Of tiles these are stacks; SCENE.METHOD.whole.exr is the first seed's last frame.
+    Of tiles these are stacks; SCENE.METHOD.whole.exr is the first seed's last frame. Returns the names of the files.
     """
     files.make_folder(folder, "--out")
+    written = []
+
+    def write_exr(name, layers, origin, **attributes):
+        texts = {key: json.dumps(value) for key, value in attributes.items()}
+        render.write_exr(folder / name, layers, {**origin, **texts})
+        written.append(name)
+
     for scene in findings:
         names = exr_names(scene)
-        render.write_exr(
-            folder / names["reference"],
-            {"": scene.reference["mean"]},
-            {"reference": json.dumps(scene.reference["meta"])},
-        )
+        knobs = scene.reference["meta"]["knobs"]
+        own = {**scene.origin, **({given_reference.KNOBS: json.dumps(knobs)} if knobs else {})}
+        write_exr(names["reference"], {"": scene.reference["mean"]}, own, reference=scene.reference["meta"])
         for method in scene.methods:
+            name, graph = names[method.label], scene.descriptions[method.label]
             layers = {kind: method.images[kind] for kind in ("mean", "frame", "denoised") if kind in method.images}
-            render.write_exr(
-                folder / names[method.label],
-                {"": method.images["image"], **layers},
-                {"graph": json.dumps(scene.descriptions[method.label])},
-            )
+            write_exr(name, {"": method.images["image"], **layers}, scene.origin, graph=graph)
             if "whole" in method.images:
-                render.write_exr(
-                    folder / names[method.label].replace(".exr", ".whole.exr"),
-                    {"": method.images["whole"]},
-                    {"graph": json.dumps(scene.descriptions[method.label])},
-                )
+                write_exr(name.replace(".exr", ".whole.exr"), {"": method.images["whole"]}, scene.origin, graph=graph)
+    return written

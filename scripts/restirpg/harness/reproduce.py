@@ -47,7 +47,12 @@ def parse(arguments):
     )
     for name, what in (("frames", "frames of a run"), ("seeds", "independent runs of each method")):
         add(f"--{name}", type=program.positive, metavar="N", help=what)
-    add("--reference-frames", type=program.positive, metavar="N", help="frames of each reference, over all its batches")
+    add(
+        "--reference-frames",
+        type=program.positive,
+        metavar="N",
+        help="frames of each reference, over all its batches; of each frame of figure 7 and motion a quarter of them",
+    )
     add("--reference-batches", type=program.positive, metavar="R", help="independent batches of each reference (16)")
     add("--reference-graph", metavar="GRAPH", help="the graph that renders the references (graphs/path_tracer.py)")
     add("--bounces", type=program.bounces, metavar="N", help="bounce cap (default: each scene's, or the graphs' own)")

@@ -27,6 +27,8 @@ class Facts:
     hash: str  # of the file, of all that it refers to, and of the environment in place of its own
     bounce_cap: int | None  # what the scene's author asks for
     animation: tuple  # restirpg.Scene.animation_keys
+    scene_hash: str = ""  # restirpg.Scene.hash, which a picture's header has: an environment in place is no part of it
+    environment_hash: str = ""  # restirpg.Scene.environment_hash: of that environment's file
 
     def bounces(self, wanted=None):
         """`wanted`, or else the author's cap."""
@@ -49,7 +51,7 @@ class Facts:
 
 def facts_of(hash, scene):
     """The Facts of a restirpg.Scene."""
-    return Facts(hash, scene.bounce_cap, tuple(scene.animation_keys))
+    return Facts(hash, scene.bounce_cap, tuple(scene.animation_keys), scene.hash, scene.environment_hash)
 
 
 @functools.lru_cache(maxsize=64)

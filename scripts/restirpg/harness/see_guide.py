@@ -3,7 +3,7 @@ product rho L_i cos.
 
     scripts/see_guide.py --scene FILE --pixel X Y [--pixel X Y ...]
         [--graph graphs/restir_pg.py]
-        [--frames 64] [--size 160x90] [--cell-size 0.05] [--raw] [--allow-outside] [-o out/guide.png] [--markdown FILE]
+        [--frames 64] [--size 160x90] [--cell-size SHARE] [--raw] [--allow-outside] [-o out/guide.png] [--markdown FILE]
 
 One row of maps a pixel, each the hemisphere about the surface's normal: azimuth to the right, cosine
 downwards from 1 to 0, so that equal areas are equal solid angles. The product is a render of what the point
@@ -42,14 +42,19 @@ def parse(arguments):
         required=True,
         help="a pixel; may be repeated",
     )
-    parser.add_argument("--graph", type=Path, default=restirpg.GRAPHS / "restir_pg.py", help="a graph with a guide")
+    parser.add_argument(
+        "--graph",
+        type=Path,
+        default=restirpg.GRAPHS / "restir_pg.py",
+        help="a graph with the passes GuidingSplat, GuidingFit and ReSTIRReuse",
+    )
     parser.add_argument("--frames", type=program.positive, default=64, help="frames to learn from (%(default)s)")
     parser.add_argument("--size", type=program.size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
     parser.add_argument(
         "--cell-size",
         type=program.length,
-        default=0.05,
-        help="of the guide's cells, as a share of the picture's height (%(default)s)",
+        metavar="SHARE",
+        help="of the guide's cells, as a share of the picture's height (default: the graph's own)",
     )
     parser.add_argument("--raw", action="store_true", help="learn from raw path trees")
     parser.add_argument("--markdown", type=Path, metavar="FILE", help="write the table to this file")

@@ -2,7 +2,7 @@
 
 import math
 
-from restirpg.harness import equal_time
+from restirpg.harness import denoised, equal_cost
 from restirpg.harness import statistics as st
 from restirpg.harness.analysis import METRICS, settled_frames
 
@@ -69,12 +69,22 @@ def block_cell(method):
         return "not tested"
     if p >= st.LEVEL:
         return f"none of {method.block_p.size} (p = {p:.2g})"
-    count = int((method.block_p * method.block_p.size < st.LEVEL).sum())
-    return f"{count} of {method.block_p.size} biased (p = {max(p, 1e-99):.2g})"
+    return f"{method.biased_blocks} of {method.block_p.size} biased (p = {max(p, 1e-99):.2g})"
+
+
+def _frames_in_words(frames):
+    """`frame 8`, or `mean of frames 1, 8 and 9`; of many `mean of 10 frames, 11 to 20`."""
+    if len(frames) == 1:
+        return f"frame {frames[0]}"
+    if len(frames) > 6:
+        return f"mean of {len(frames)} frames, {frames[0]} to {frames[-1]}"
+    return f"mean of frames {', '.join(map(str, frames[:-1]))} and {frames[-1]}"
 
 
 def _settled_in_words(scene):
     """Which single frames are averaged; a method that puts out a mean has fewer in long runs."""
+    if scene.at:
+        return _frames_in_words(scene.at)
     settled = [method.frames[settled_frames(method.curves["single"][0])] for method in scene.methods]
     counts = sorted({len(frames) for frames in settled})
     if not counts[-1]:
@@ -104,7 +114,7 @@ def equal_tables(scene):
                     verdict(method, scene.methods[0], metric, mode),
                 ]
             if mode == "frame":
-                row += [with_error(*st.mean_se(times[:, -1] / frames)) for times in (method.gpu_ms, method.wall_ms)]
+                row += [with_error(*st.mean_se(times)) for times in (method.frame_ms, method.frame_wall_ms)]
             else:
                 frames_then = [st.at_time(times, method.frames, scene.common_ms) for times in method.gpu_ms]
                 mean = sum(frames_then) / len(frames_then)
@@ -151,7 +161,7 @@ def _single_frame_tables(scene):
     costs = [
         [
             method.label,
-            *(with_error(*st.mean_se(times[:, -1] / method.frames[-1])) for times in (method.gpu_ms, method.wall_ms)),
+            *(with_error(*st.mean_se(times)) for times in (method.frame_ms, method.frame_wall_ms)),
         ]
         for method in scene.methods
     ]
@@ -193,47 +203,89 @@ def _tile_table(scene):
 
 def _equal_frame_time_table(scene):
     """(title, header, rows) of single frames that cost the same."""
+    first, *others = equal_cost.compare(scene)
     rows = []
-    for own in equal_time.compare(scene.brackets, scene.methods):
-        row = [own.label, own.setting, f"×{own.time:.3f}", with_error(*st.mean_se(own.values), 100, "%")]
-        if not rows:
-            rows.append([*row, "—", "baseline"])
-            continue
-        word = "not different" if own.p >= st.LEVEL else "lower" if own.ratio[0] < 1 else "higher"
-        tested = "not tested" if math.isnan(own.p) else f"{word} (p = {max(own.p, 1e-99):.2g})"
-        rows.append([*row, with_error(own.ratio[0] - 1, own.ratio[1], 100, "%"), tested])
+    for own in (first, *others):
+        row = [own.label, own.setting, f"×{with_error(*own.time)}", with_error(*st.mean_se(own.values), 100, "%")]
+        change = with_error(own.ratio[0] - 1, own.ratio[1], 100, "%")
+        rows.append([*row, "—" if own is first else change, _tested_at_equal_cost(own, first)])
     header = ["method", "setting", "frame time in the runs", "MAPE", "change from the first", "tested in this scene"]
-    return "Equal frame time: single frames", header, rows
+    return f"Equal frame time: single frames, {_settled_in_words(scene)}", header, rows
+
+
+def _tested_at_equal_cost(own, first):
+    """A verdict, where both methods' frames (equal_cost.Equal) took the same time."""
+    off = f"not at equal time (×{own.time[0]:.2f})"
+    if own is first:
+        return "baseline" if own.is_equal else f"baseline, {off}"
+    if not own.is_equal:
+        return off
+    if not first.is_equal:
+        return f"the first is not at equal time (×{first.time[0]:.2f})"
+    if math.isnan(own.p):
+        return "not tested"
+    word = "not different" if own.p >= st.LEVEL else "lower" if own.ratio[0] < 1 else "higher"
+    return f"{word} (p = {max(own.p, 1e-99):.2g})"
 
 
 def error_tables(scene):
     """[(title, header, rows)] of the errors: of single frames, or at equal frames and at equal time."""
     found = _single_frame_tables(scene) if scene.at else equal_tables(scene)
-    return [_equal_frame_time_table(scene), *found] if scene.brackets else found
+    return [_equal_frame_time_table(scene), *found] if scene.equal_cost else found
 
 
-def _compared_in_words(scene, mode):
-    """What is known of one way of comparing, by MAPE: who errs how much less or more than the first method, and who is
-    not told apart from it; None where nobody is."""
-    baseline, *others = scene.methods
+def _compared_in_words(baseline, found):
+    """Who errs how much less or more than the first method, and who is not told apart from it; None where nobody is.
+
+    found: [(label, error as a share of the first's, corrected p)].
+    """
     known, unknown = [], []
-    for method in others:
-        p = method.adjusted.get(("mape", mode), float("nan"))
-        own, other = (error_of(each, "mape", mode)[0] for each in (method, baseline))
-        if p < st.LEVEL and other > 0:
-            change = f"{100 * abs(1 - own / other):.2g}% {'less' if own < other else 'more'}"
-            known.append(f"{method.label} has {change} error" if not known else f"{method.label} {change}")
+    for label, share, p in found:
+        if p < st.LEVEL:
+            change = f"{100 * abs(1 - share):.2g}% {'less' if share < 1 else 'more'}"
+            known.append(f"{label} has {change} error" if not known else f"{label} {change}")
         else:
-            unknown.append(method.label)
+            unknown.append(label)
     if not known:
         return None
-    known[0] += f" than {baseline.label}"
+    known[0] += f" than {baseline}"
     rest = f"; {' and '.join(unknown)} {'is' if len(unknown) == 1 else 'are'} not told apart from it" if unknown else ""
     return ", ".join(known) + rest
 
 
+def _tested(scene, mode):
+    """What _compared_in_words() takes, of MAPE in one way of comparing."""
+    baseline, *others = scene.methods
+    other = error_of(baseline, "mape", mode)[0]
+    found = [(method, method.adjusted.get(("mape", mode), math.nan)) for method in others]
+    return [
+        (method.label, error_of(method, "mape", mode)[0] / other if other > 0 else math.nan, p if other > 0 else 1)
+        for method, p in found
+    ]
+
+
+def equal_cost_sentence(scene):
+    """What was found at equal frame time, in one sentence; "" where that was not asked for."""
+    if not scene.equal_cost:
+        return ""
+    first, *others = equal_cost.compare(scene)
+    if not first.is_equal:
+        return f"At equal frame time nobody is tested: a frame of {first.label} takes ×{first.time[0]:.2f} of the time."
+    tested = [own for own in others if own.is_equal]
+    words = _compared_in_words(first.label, [(own.label, own.ratio[0], own.p) for own in tested])
+    if tested and not words:
+        words = f"{tested[0].label if len(tested) == 1 else 'no method'} is not told apart from {first.label}"
+    off = [f"{own.label} is not at equal time (×{own.time[0]:.2f})" for own in others if not own.is_equal]
+    return f"At equal frame time, {'; '.join([*filter(None, [words]), *off])}."
+
+
 def verdict_sentence(scene):
-    """What was found, in one sentence of plain words: MAPE against the first method."""
+    """What was found, in one sentence of plain words: MAPE against the first method. Another one is of equal frame time,
+    where that was asked for."""
+    return " ".join(filter(None, [_verdict_sentence(scene), equal_cost_sentence(scene)]))
+
+
+def _verdict_sentence(scene):
     baseline, *others = scene.methods
     if not others:
         return ""
@@ -244,7 +296,7 @@ def verdict_sentence(scene):
     )
     if scene.unit == "tile":
         ways = {"single": f"in single frames, {scene.at[0]} to {scene.at[-1]}"}
-    found = {words: _compared_in_words(scene, mode) for mode, words in ways.items()}
+    found = {words: _compared_in_words(baseline.label, _tested(scene, mode)) for mode, words in ways.items()}
     who = f"{others[0].label} is not" if len(others) == 1 else "no method is"
     if not any(found.values()):
         text = f"{who} told apart from {baseline.label}, {' or '.join(found)}"
@@ -258,9 +310,11 @@ def denoised_tables(scene):
     baseline = scene.methods[0]
     if not baseline.denoised:
         return []
-    kinds = {"frame": f"frame {scene.at[-1]}" if scene.at else "last frame"}
-    if not scene.at:
-        kinds["image"] = f"mean of {int(baseline.frames[-1])} frames"
+    names = {
+        "frame": f"frame {scene.at[-1]}" if scene.at else "last frame",
+        "image": f"mean of {int(baseline.frames[-1])} frames",
+    }
+    kinds = {kind: names[kind] for kind in denoised.kinds(scene.at)}
     header = ["method", *(text for kind in kinds.values() for text in (f"{kind}, denoised", "against the first"))]
     rows = [
         [

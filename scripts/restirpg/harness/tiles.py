@@ -4,11 +4,11 @@ The tiles are some of those of a grid that covers the picture, each as likely as
 drawn tiles of a mean over a tile's pixels is an unbiased estimate of the picture's. Its standard error is that
 of the tiles' means: each tile is one independent sample, however much its pixels have in common.
 
-MAPE needs one number of the whole picture, the reference's mean luminance, of which it adds a hundredth to each pixel's
-own; bias is over the reference's mean. Both are estimated by the same tiles. To first order an error of
-that estimate moves the result by its derivative times what the tiles' means differ from their mean: that is added to
-each tile's value. It leaves their mean as it is and gives their spread this part of the uncertainty, too. What
-is left is of second order: below 1% of MAPE with 24 tiles of the test's picture, whose luminance spans a factor of 500.
+MAPE divides by the pixel's reference luminance plus 1% of the reference's mean luminance, and the bias is relative to
+the reference's mean. Both means are estimated from the same tiles. The delta method accounts for their sampling error:
+each tile's value gets (derivative of the result by the mean) * (tile mean - mean over tiles). The mean of the values
+stays the same, and their spread includes the uncertainty of the estimated mean. The remaining error is of second order:
+below 1% of MAPE with 24 tiles of the test's picture, whose luminance spans a factor of 500.
 
 A stack is the picture of the tiles one below the other: whatever measures pictures measures stacks.
 """

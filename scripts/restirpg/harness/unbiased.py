@@ -16,11 +16,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
+from restirpg.harness import UserError
 from restirpg.harness.jobs import seed_of
 from restirpg.harness.statistics import LEVEL, Test, block_means, luminance, t_quantile, t_two_sided
 
 BLOCK = 4  # pixels, the edge of a block
-ROUNDING = 1e-6  # relative, of a block mean in single precision: a standard error where runs do not vary
+ROUNDING = 1e-6  # relative, of a mean in single precision: a standard error where runs do not vary
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,8 @@ def run_seed(run, *parts):
 def frames_of_run(renderer, seed, frames, before_frame=None, output="radiance"):
     """Luminance, (len(frames), H, W), of the frames (ascending, counted from 1) of one run.
 
-    `output` shows one frame, no mean over frames. `before_frame`(renderer, k) may move the camera or nodes.
+    `output` shows one frame, no mean over frames. `before_frame`(renderer, k) may move the camera or nodes. Raises
+    UserError where the graph's output `invalid` has counted a NaN or infinite sample.
     """
     renderer.seed = seed
     renderer.cut()
@@ -100,6 +102,8 @@ def frames_of_run(renderer, seed, frames, before_frame=None, output="radiance"):
         renderer.render(1)
         if k in frames:
             images.append(luminance(renderer.output(output)[..., :3]))
+    if "invalid" in renderer.output_names and (dropped := renderer.output("invalid").sum()):
+        raise UserError(f"{dropped:.0f} samples of a run are NaN, infinite or too large")
     return np.array(images)
 
 
@@ -109,8 +113,20 @@ def independent_runs(renderer, runs, frames, before_frame=None, output="radiance
     return dict(zip(frames, np.array(samples).swapaxes(0, 1)))
 
 
+def check(samples, reference):
+    """Raise UserError where a comparison would say nothing: NaN is no farther from the truth than any limit."""
+    for what, values in (("samples", samples), ("reference", reference.mean), ("its variance", reference.variance)):
+        wrong = np.count_nonzero(~np.isfinite(values))
+        if wrong:
+            raise UserError(f"{what}: {wrong} of {np.size(values)} values are NaN or infinite; no mean can be tested")
+    if not reference.mean.mean() > 0:
+        raise UserError("the reference is black; no bias is relative to it")
+
+
 def compare(samples, reference, tests=1, block=BLOCK):
-    """Verdict on samples (runs, H, W) of one frame number; so many `tests` share the false-alarm rate."""
+    """Verdict on samples (runs, H, W) of one frame number; so many `tests` share the false-alarm rate. Raises
+    UserError where a value is NaN or infinite."""
+    check(samples, reference)
     runs = len(samples)
     expected = reference.mean.mean()
     differences = block_means(samples - reference.mean, block)
@@ -125,8 +141,9 @@ def compare(samples, reference, tests=1, block=BLOCK):
     count = tests * z.size
     typical = Test(0.0, float(np.median((guarded / level)[noisy])) if noisy.any() else 0.0, runs - 1, 1.0)
     means = samples.mean((1, 2)) / expected
-    se = np.sqrt(means.var(ddof=1) / runs + reference.variance.mean() / reference.variance.size / expected**2)
-    score = abs(means.mean() - 1) / se if se > 0 else 0.0
+    own_error = means.var(ddof=1) / runs + ROUNDING**2
+    se = np.sqrt(own_error + reference.variance.mean() / reference.variance.size / expected**2)
+    score = abs(means.mean() - 1) / se
     return Verdict(
         runs=runs,
         z=z.ravel(),

@@ -90,9 +90,23 @@ def _serve(connection, folder, at_a_time, log):
         sys.exit(0)  # the harness has gone
 
 
+@contextlib.contextmanager
+def _safe_path():
+    """A Python that is started here does not look for modules in the current folder, which may be anybody's: it would do
+    so before it looks into the standard library."""
+    before = os.environ.get("PYTHONSAFEPATH")
+    os.environ["PYTHONSAFEPATH"] = "1"
+    try:
+        yield
+    finally:
+        os.environ.pop("PYTHONSAFEPATH")
+        if before is not None:
+            os.environ["PYTHONSAFEPATH"] = before
+
+
 class _Process:
     def __init__(self, folder, at_a_time, number):
-        self.log = Path(folder) / f"worker-{number}.log"
+        self.log = Path(folder) / f"worker-{os.getpid()}-{number}.log"
         self.log.unlink(missing_ok=True)
         self.job = None
         self.connection, theirs = _context.Pipe()
@@ -102,7 +116,8 @@ class _Process:
         # Ctrl-C reaches the whole process group: the parent alone decides what ends, so the worker never sees
         # it.
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        self.process.start()
+        with _safe_path():
+            self.process.start()
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         theirs.close()
 
@@ -114,7 +129,11 @@ class _Process:
             ended = f"ended by {signal.Signals(-code).name}"
         else:
             ended = f"ended with exit code {code}"
-        lines = [line for line in self.log.read_text(errors="replace").splitlines() if line.strip()]
+        try:
+            text = self.log.read_text(errors="replace")
+        except FileNotFoundError:  # it ended before it had a log
+            text = ""
+        lines = [line for line in text.splitlines() if line.strip()]
         return f"the worker {ended}; the last line of {self.log.name}: {lines[-1] if lines else 'none'}"
 
     def stop(self):
@@ -124,6 +143,14 @@ class _Process:
         self.process.join(5)
         if self.process.is_alive():
             self.process.kill()
+
+
+def _remove_logs(folder):
+    """Remove the logs that programs of this machine have left which have ended; others may share the folder."""
+    for log in Path(folder).glob("worker-*.log"):
+        _, *program, _ = log.stem.split("-")
+        if not (program and Path("/proc", *program).exists()):
+            log.unlink(missing_ok=True)
 
 
 def open_pool(folder, count, scheduler=None):
@@ -141,6 +168,7 @@ class Pool:
     def __init__(self, folder, count):
         self.finished = 0  # runs and calls that are in the cache now
         self._folder = folder
+        _remove_logs(folder)
         self._workers, self._idle, self._started = [], [], 0
         self._count = count
 

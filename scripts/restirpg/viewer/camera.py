@@ -118,9 +118,9 @@ def project(pose, aspect, points):
 
 
 def _rounded(pose):
-    """The pose as numbers that can be read: six digits."""
-    rounded = {name: [float(f"{x:.6g}") for x in pose[name]] for name in ("position", "target", "up")}
-    return {**rounded, "yfov": float(f"{pose['yfov']:.6g}")}
+    """The pose with all digits of single precision, so that the picture is the same."""
+    rounded = {name: [float(f"{x:.9g}") for x in pose[name]] for name in ("position", "target", "up")}
+    return {**rounded, "yfov": float(f"{pose['yfov']:.9g}")}
 
 
 def as_python(pose):
@@ -136,7 +136,7 @@ def as_json(pose):
 def as_option(pose):
     """The option of `restirpg render` and `restirpg view`."""
     numbers = np.concatenate([np.atleast_1d(value) for value in _rounded(pose).values()])
-    return "--pose=" + ",".join(f"{x:.6g}" for x in numbers)
+    return "--pose=" + ",".join(f"{x:.9g}" for x in numbers)
 
 
 def from_option(text):

@@ -10,6 +10,9 @@ from restirpg.harness import UserError
 
 from . import camera, graphs, pictures
 
+#: Of a picture that depends on earlier moves of the camera.
+_KEPT = {"history": "kept over moves of the camera"}
+
 
 def png(session, pane):
     """The picture as shown, with its provenance as texts."""
@@ -24,14 +27,27 @@ def png(session, pane):
         "exposure": f"{session.exposure:.6g}",
         "port": pane.port or "",
         "commit": restirpg.COMMIT,
+        **(_KEPT if session.keep else {}),
     }
     return pictures.png(session.pixels(pane), {f"restirpg.{name}": text for name, text in texts.items()})
 
 
-def _exr(_, pane):
+def save(session, pane, file):
+    """Write the graph's outputs as EXR with their provenance. Where history is kept over moves of the camera it is the
+    picture alone, as it is shown: the graph's own means are over all moves."""
+    if not session.keep:
+        pane.renderer.save(file)
+        return
+    pane.renderer.save(file, output=pane.renderer.output_names[0])
+    kept = {f"restirpg.{name}": text for name, text in {"frames": str(pane.frames), **_KEPT}.items()}
+    attributes = {**restirpg.read_exr_attributes(file), **kept}
+    restirpg.write_exr(file, {"": pane.picture()}, attributes=attributes)
+
+
+def _exr(session, pane):
     with tempfile.TemporaryDirectory(prefix="restirpg-") as folder:
         file = Path(folder) / "capture.exr"
-        pane.renderer.save(file)
+        save(session, pane, file)
         return file.read_bytes()
 
 

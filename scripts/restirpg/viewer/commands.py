@@ -5,14 +5,12 @@ Each raises UserError or restirpg.Error, and leaves all as it was then.
 
 import inspect
 
-import numpy as np
-
 from restirpg.harness import UserError
 
 from . import camera
 from .film import Film
 from .reference import SOURCES
-from .values import as_number
+from .values import as_finite, as_number
 
 VIEWS = ("image", "difference", "error")
 
@@ -57,13 +55,11 @@ def do_focus(session, x, y):
 
 def do_pose(session, position, target, up, yfov):
     """A camera as the page copied it."""
-    pose = {"position": position, "target": target, "up": up, "yfov": as_number(yfov, 0.03, 2.6)}
+    pose = {"position": position, "target": target, "up": up, "yfov": float(as_finite(yfov))}
     for name in ("position", "target", "up"):
         if not isinstance(pose[name], list) or len(pose[name]) != 3:
             raise UserError(f"{name} is not three numbers")
-        pose[name] = [float(as_number(value)) for value in pose[name]]
-    if not np.linalg.norm(np.cross(np.subtract(pose["target"], pose["position"]), pose["up"])) > 1e-9:
-        raise UserError("the camera's direction and up span no view")
+        pose[name] = [float(as_finite(value)) for value in pose[name]]
     session.move(pose)
 
 
@@ -175,8 +171,10 @@ def do_reference(session, source):
 
 def do_film(session, frames, kind):
     """Write pictures of the next frames into a folder; 0 frames: end the film at hand."""
-    session.film = Film(session.captures, session, frames, kind) if frames != 0 else None
-    session.playing = session.playing or session.film is not None
+    film = Film(session.captures, session, frames, kind) if frames != 0 else None
+    session.end_film()
+    session.film = film
+    session.playing = session.playing or film is not None
 
 
 def do_reload(session):

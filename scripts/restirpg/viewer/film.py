@@ -13,7 +13,7 @@ MOST_FRAMES = 100_000
 
 
 class Film:
-    """captures: the folder that the viewer was given. count: frames. kind: "png", as shown, or "exr", the outputs."""
+    """captures: the folder that the viewer was given. count: frames. kind: "png", as shown, or "exr", see capture.save."""
 
     def __init__(self, captures, session, count, kind):
         if captures is None:
@@ -38,7 +38,7 @@ class Film:
                 if self._kind == "png":
                     files.write(file, capture.png(self._session, pane))
                 else:
-                    pane.renderer.save(file)
+                    capture.save(self._session, pane, file)
             except OSError as error:
                 raise UserError(f"{file}: cannot write: {error.strerror}") from None
 
@@ -49,4 +49,4 @@ class Film:
 
     def told(self):
         """What the page shows of it."""
-        return {"done": self.done, "count": self.count, "folder": str(self.folder)}
+        return {"done": self.done, "count": self.count}

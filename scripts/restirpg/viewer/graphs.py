@@ -34,6 +34,15 @@ def image_ports(description):
     return ports
 
 
+def has_image_port(description, port):
+    """Whether the description has that port, "pass.output". One that cannot be read has none: the renderer says what is
+    wrong with it, and where."""
+    try:
+        return port in image_ports(description)
+    except (restirpg.Error, LookupError, TypeError):
+        return False
+
+
 def is_guided(description):
     """Whether paths are guided by lobes in the hash grid: mixtures or chains, see guide.py."""
     types = {entry["type"] for entry in description["passes"]}

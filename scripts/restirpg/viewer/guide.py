@@ -83,7 +83,7 @@ class _ChainGuide:
             "alpha": float(self._alpha),
             "samples": float(cell["states"]["samples"].sum()),
         }
-        return guiding.chain_mixture_of(cell, point.position, self._header), learnt
+        return guiding.chain_mixture_of(cell, point.place, self._header), learnt
 
 
 def _encoded(maps):

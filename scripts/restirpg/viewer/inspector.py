@@ -19,6 +19,11 @@ class Inspector:
         self._probe = self._probe or Probe(self._session.scene, self._session.size, self._options)
         return self._probe.at(self._session.camera, self._session.time, x, y)
 
+    def reload(self):
+        """Read the probe's shaders anew, if it was made."""
+        if self._probe:
+            self._probe.reload()
+
     def _pixel(self, x, y):
         width, height = self._session.size
         x, y = int(as_number(x)), int(as_number(y))
@@ -27,14 +32,14 @@ class Inspector:
         return x, y
 
     def pixel(self, x, y):
-        """What is known of a pixel: its geometry, and values of each graph."""
+        """What is known of a pixel: its geometry (None where it shows no surface), and values of each graph."""
         x, y = self._pixel(x, y)
         self._session.settle()
-        panes = self._session.panes
+        panes, geometry = self._session.panes, self.geometry(x, y)
         return {
             "x": x,
             "y": y,
-            "geometry": self.geometry(x, y),
+            "geometry": geometry if geometry["depth"] > 0 else None,
             "panes": [pane.pixel(x, y) for pane in panes],
             "reservoirs": [reservoirs.at_pixel(pane, x, y) for pane in panes],
             "paths": [reservoirs.path_at_pixel(pane, x, y, self._session.camera) for pane in panes],

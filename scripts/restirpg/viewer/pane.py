@@ -34,9 +34,10 @@ class Pane:
         return self._source if isinstance(self._source, dict) else self._source.description()
 
     def build(self, port=None):
-        """Read the graph and its shaders anew; knobs that were turned stay so where they are still there. Raises
-        restirpg.Error and changes nothing when something is refused."""
+        """Read the graph and its shaders anew, and show `port` where it is still there; knobs that were turned stay so
+        where they are. Raises restirpg.Error and changes nothing when something is refused."""
         description = self._describe()
+        port = port if port and graphs.has_image_port(description, port) else None
         shown = graphs.with_output(description, port) if port else description
         renderer = restirpg.Renderer(self._scene, shown, size=self._size, **self._options)
         initial = renderer.knobs()
@@ -49,8 +50,12 @@ class Pane:
         self.renderer, self.description, self.changed, self._initial = renderer, description, changed, initial
         self.ports = graphs.image_ports(description)
         self.frame_ports = graphs.frame_ports(description)
-        self.port = port if port in self.ports else None
+        self.port = port
         self.forget()
+
+    def rebuild(self):
+        """build(), with the port that is shown."""
+        self.build(self.port)
 
     def forget(self):
         """Begin the viewer's own mean anew; the renderer's history stays."""
@@ -67,7 +72,17 @@ class Pane:
     @property
     def bounces(self):
         """The bounce cap, or None where no pass has one."""
-        return next((own["bounces"] for own in self.renderer.knobs().values() if "bounces" in own), None)
+        return self._first("bounces")
+
+    @property
+    def mean_of(self):
+        """{knob: value} of what the mean picture depends on: the bounce cap and the pixel filter."""
+        found = {name: self._first(name) for name in ("bounces", "jitter")}
+        return {name: value for name, value in found.items() if value is not None}
+
+    def _first(self, knob):
+        """The value of the first pass with that knob, or None."""
+        return next((own[knob] for own in self.renderer.knobs().values() if knob in own), None)
 
     @property
     def name(self):
@@ -99,7 +114,8 @@ class Pane:
             raise restirpg.Error(f"{self.name} has no image port '{port}'")
         if port is not None and port not in self._readable():
             self.build(port)
-        self.port = port
+        else:
+            self.port = port
 
     def _readable(self):
         return self.renderer.memory().keys() & self.ports.keys()

@@ -3,6 +3,7 @@
 import restirpg
 
 _IMAGES = ("depth", "geometric_normal", "normal", "material", "albedo")
+_KEPT = ("device", "backend", "validation")  # of a graph's options; the others are of its passes, or of its first frame
 
 
 class Probe:
@@ -13,8 +14,14 @@ class Probe:
         gbuffer = graph.add("gbuffer", "GBuffer")
         for name in _IMAGES:
             graph.output(name, getattr(gbuffer, name))
-        self.renderer = restirpg.Renderer(scene, graph, size=size, **options)
+        kept = {name: options[name] for name in _KEPT if name in options}
+        self.renderer = restirpg.Renderer(scene, graph, size=size, **kept)
         self._scene, self._rendered, self._images = scene, None, {}
+
+    def reload(self):
+        """Read the shaders anew."""
+        self.renderer.reload()
+        self._rendered = None
 
     def render(self, pose, seconds):
         """One frame from there, unless it is the last one."""

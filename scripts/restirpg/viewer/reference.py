@@ -36,26 +36,33 @@ class Reference:
             self._renderer = restirpg.Renderer(self._scene, graph, size=self._size, seed=_SEED, **self._options)
         self.source, self._view = source, None
 
-    def trace(self, pose, seconds, bounces):
-        """One more frame of this view; another view begins anew. Returns whether there was one to render."""
+    def reload(self):
+        """Read the path tracer and its shaders anew, if it was made: its mean begins anew."""
+        if self._renderer:
+            self._renderer.reload()
+            self._view = None
+
+    def trace(self, pose, seconds, knobs):
+        """One more frame of this view, with these knobs everywhere; another view begins anew. Returns whether there was
+        one to render."""
         if self.source != "traced" or self.frames >= MOST_FRAMES:
             return False
-        view = (pose, seconds, bounces)
+        view = (pose, seconds, knobs)
         if view != self._view:
             self._renderer.cut()
             self._renderer.move_camera(**pose)
             if self._scene.duration > 0:
                 self._renderer.set_time(seconds)
-            if bounces is not None:
-                self._renderer.set_everywhere("bounces", bounces)
+            for name, value in knobs.items():
+                self._renderer.set_everywhere(name, value)
             self._view = view
         self._renderer.render(1)
         return True
 
-    def of(self, pose, seconds, bounces, is_home):
+    def of(self, pose, seconds, knobs, is_home):
         """The image of this view (is_home: the scene's own), or None."""
         if self.source == "file":
             return self.image if is_home else None
-        if self.source == "traced" and self.frames > 0 and self._view == (pose, seconds, bounces):
+        if self.source == "traced" and self.frames > 0 and self._view == (pose, seconds, knobs):
             return self._renderer.output("image")
         return None

@@ -103,7 +103,9 @@ def path_at_pixel(pane, x, y, pose):
     if bounces.size == 0:
         return None
     vertices = vertices[bounces]
-    points = names.grid(pane.renderer).positions(vertices["position"])
+    grid = names.grid(pane.renderer)
+    # Seen from the camera, since kernels' places are the world's only where the scene is not far off.
+    points = grid.positions(vertices["position"]) - grid.camera + pane.renderer.camera["position"]
     last, leaves = points[-1], guiding.unpack_direction(vertices["direction"][-1:])[0]
     light = None
     if vertices["surface"][-1] & guiding.FINAL:

@@ -8,8 +8,6 @@ import shlex
 import time
 from dataclasses import dataclass, field
 
-import numpy as np
-
 import restirpg
 from restirpg.harness import UserError
 
@@ -36,9 +34,9 @@ class Session:
         """sources: graph files, restirpg.Graph or descriptions. reference: an image (H, W, 3) of the scene's own
         camera. captures: the folder where films are put. allow_outside: with which the scene was loaded."""
         self.scene, self.size, self.captures = scene, tuple(size), captures
-        self._own_arguments = _as_arguments(options, allow_outside)
+        self._own_arguments = _as_arguments(scene, options, allow_outside)
         self.reference = Reference(scene, self.size, options, reference)
-        self.film = None
+        self.film, self.filmed = None, None  # the film at hand; the folder of the last one that has ended
         self.panes = [Pane(scene, source, self.size, options) for source in sources]
         self.home = self.camera = self.panes[0].renderer.camera
         self.playing, self.keep, self.exposure, self.view = True, False, 0.0, "image"
@@ -59,9 +57,11 @@ class Session:
             self.seen[client] = message.get("id")
 
     def move(self, pose):
-        """Look from another place."""
-        if not np.isfinite(np.concatenate([pose["position"], pose["target"]])).all():
-            raise UserError("the camera would be nowhere")
+        """Look from another place, from the next frame on. Raises restirpg.Error where a renderer refuses the pose."""
+        renderer = self.panes[0].renderer
+        shown = renderer.camera
+        renderer.move_camera(**pose)
+        renderer.move_camera(**shown)
         self.camera = pose
         self.moved = self.stale = True
 
@@ -79,11 +79,11 @@ class Session:
         self.steps = max(self.steps, 1)
 
     def reload(self):
-        """Read graph files and shaders anew. Each graph that is refused stays as it was."""
+        """Read graph files and shaders anew. What is refused stays as it was: a graph, the traced reference, the probe."""
         refusals = []
-        for pane in self.panes:
+        for read_anew in (*(pane.rebuild for pane in self.panes), self.reference.reload, self.inspector.reload):
             try:
-                pane.build(pane.port)
+                read_anew()
             except restirpg.Error as error:
                 refusals.append(str(error))
         for pane in self.panes:
@@ -96,7 +96,14 @@ class Session:
         """Whether there is something to render."""
         if self.moved or self.steps > 0 or not self._rendered or self.film:
             return True
-        return self.playing and (self.speed != 0 or min(pane.frames for pane in self.panes) < MOST_FRAMES)
+        plays = self._next_time() != self.time
+        return self.playing and (plays or min(pane.frames for pane in self.panes) < MOST_FRAMES)
+
+    def _next_time(self):
+        """Scene time of the next frame, s: the animation stops at its end, and backwards at its beginning."""
+        if not (self.speed and self.playing):
+            return self.time
+        return min(max(0.0, self.time + self.speed / 30), self.scene.duration)
 
     def place(self, pane):
         """Camera and scene time of a graph."""
@@ -106,9 +113,8 @@ class Session:
 
     def render(self):
         """The next frame of every graph."""
-        if self.speed and self.playing:
-            self.time = max(0.0, self.time + self.speed / 30)
-            self.moved = True
+        if self._next_time() != self.time:
+            self.time, self.moved = self._next_time(), True
         if self.moved:
             for pane in self.panes:
                 self.place(pane)
@@ -130,12 +136,25 @@ class Session:
 
     def _write_film(self):
         self.film.add()
-        self.film = None if self.film.ended else self.film
+        if self.film.ended:
+            self.end_film()
         self.revision += 1
 
+    def end_film(self):
+        """Let the film at hand, if there is one, be as long as it is. One without a frame is none."""
+        if self.film and self.film.done:
+            self.filmed = str(self.film.folder)
+        self.film = None
+
     def _view(self):
-        """What the reference is of: it follows the bounce cap of the first graph."""
-        return self.camera, self.time, self.panes[0].bounces
+        """What the reference is of."""
+        return self.camera, self.time, self._mean_of
+
+    @property
+    def _mean_of(self):
+        """What the reference follows: bounce cap and pixel filter of the first graph that traces paths."""
+        found = [pane.mean_of for pane in self.panes]
+        return next((knobs for knobs in found if "bounces" in knobs), found[0])
 
     def trace_reference(self):
         """One more frame of the traced reference while the view rests. Returns whether there was one to render."""
@@ -144,20 +163,23 @@ class Session:
         return traced
 
     def settle(self):
-        """Render a frame where a cut has left no picture."""
-        if not self._rendered or any(pane.renderer.frame == 0 for pane in self.panes):
+        """Render a frame where there is no picture of what is looked at: after a cut, or a move in space or time."""
+        if self.moved or not self._rendered or any(pane.renderer.frame == 0 for pane in self.panes):
             self.render()
 
     def errors(self):
-        """MAPE of each picture against the reference; None where there is none, it shows another view, or the picture
-        has not its channels."""
+        """MAPE of each picture against the reference; None where there is none, it shows another view or is not of the
+        picture's bounce cap and pixel filter, or the picture has not its channels."""
         truth = self.truth()
         if truth is None:
             return [None] * len(self.panes)
-        images = [pane.picture() for pane in self.panes]
-        return [
-            restirpg.measure_errors(image, truth)["mape"] if image.shape == truth.shape else None for image in images
-        ]
+        return [self._error(pane, truth) for pane in self.panes]
+
+    def _error(self, pane, truth):
+        image = pane.picture()
+        if image.shape != truth.shape or self.reference.source == "traced" and pane.mean_of != self._mean_of:
+            return None
+        return restirpg.measure_errors(image, truth)["mape"]
 
     def truth(self):
         """The reference of this view, or None."""
@@ -208,6 +230,7 @@ class Session:
             "sizes": [len(image) for image in images],
             "reference_frames": self.reference.frames,
             "film": self.film and self.film.told(),
+            "filmed": self.filmed,
             "view_milliseconds": 1000 * (time.perf_counter() - start),
         }
         self.stale = False
@@ -249,7 +272,9 @@ class Session:
         }
 
     def _command(self, pane):
-        """The command line that renders what a graph shows here, unless it keeps history over moves."""
+        """The command line that renders what a graph shows here; None where its history is kept over moves."""
+        if self.keep:
+            return None
         words = [
             "restirpg",
             "render",
@@ -273,12 +298,13 @@ class Session:
         return shlex.join(words)
 
 
-def _as_arguments(options, allow_outside):
-    """Options of a renderer, on which pictures depend, as those of `restirpg render`. Its bounce cap is in
-    Pane.settings."""
+def _as_arguments(scene, options, allow_outside):
+    """How the scene was loaded and the options of a renderer, on which pictures depend, as options of
+    `restirpg render`. Its bounce cap is in Pane.settings."""
     named = {name: options[name] for name in ("device", "backend") if options.get(name) is not None}
     return [
         *(word for name, value in named.items() for word in (f"--{name}", str(value))),
         *(["--energy-compensation"] if options.get("energy_compensation") else []),
         *(["--allow-outside"] if allow_outside else []),
+        *(["--environment", scene.environment] if scene.environment else []),
     ]

@@ -2,16 +2,19 @@
 
 import argparse
 import asyncio
+import functools
 import html
 import sys
 import threading
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 from aiohttp import web
 
 import restirpg
 from restirpg import commands
-from restirpg.harness import UserError, program, render
+from restirpg.harness import UserError, given_reference, program, render
 
 from . import camera
 from .rendering import RenderThread
@@ -73,6 +76,20 @@ class Viewer:
         return f'<iframe src="{html.escape(self.url)}" width="100%" height="760" style="border: 0"></iframe>'
 
 
+def _as_restirpg_errors(function):
+    """The function, whose UserErrors are restirpg.Errors: it is called from Python."""
+
+    @functools.wraps(function)
+    def called(*arguments, **options):
+        try:
+            return function(*arguments, **options)
+        except UserError as error:
+            raise restirpg.WrongValueError(str(error)) from None
+
+    return called
+
+
+@_as_restirpg_errors
 def view(
     graphs,
     scene,
@@ -89,20 +106,33 @@ def view(
     graphs: a graph file, a restirpg.Graph or a description, or a list of up to 4. scene: a file or what load_scene
     returns. reference: an EXR file of the scene's own camera, to measure errors against. captures: the folder where
     films are put. pose: where the camera stands at first, as Renderer.camera has it. allow_outside: of load_scene; the
-    command lines that the page copies say so too. options: of restirpg.Renderer.
+    command lines that the page copies say so too. options: of restirpg.Renderer, but no window and no fps. Raises restirpg.Error.
     """
+    if options.get("fps"):
+        raise UserError("the viewer has a speed of its own for animations: leave out fps")
+    if options.get("window") is not None:
+        raise UserError("the viewer shows whole pictures: leave out window, or give a smaller size")
     sources = list(graphs) if isinstance(graphs, (list, tuple)) else [graphs]
     if not 1 <= len(sources) <= MOST_GRAPHS:
         raise UserError(f"give 1 to {MOST_GRAPHS} graphs, not {len(sources)}")
-    if isinstance(scene, (str, Path)):
+    if from_file := isinstance(scene, (str, Path)):
         scene = restirpg.load_scene(scene, allow_outside=allow_outside)
     image = None
     if reference is not None:
-        image = render.read_exr(reference)
+        image = np.asarray(restirpg.read_exr(reference), np.float32)
         if image.shape[:2] != (size[1], size[0]):
             raise UserError(
                 f"{reference}: {image.shape[1]}x{image.shape[0]} pixels; the viewer shows {size[0]}x{size[1]}"
             )
+        header = given_reference.check(reference, scene.hash, size)
+        asked = SimpleNamespace(
+            environment=scene.environment,
+            # A scene that was loaded before does not say which of its cameras it has.
+            camera=0 if from_file else header.get(given_reference.CAMERA),
+            energy_compensation=options.get("energy_compensation"),
+        )
+        for line in given_reference.warnings_of(reference, header, asked, scene.environment_hash, {}, {}):
+            print(f"warning: {line}", file=sys.stderr)
     session = Session(scene, sources, size, image, captures, allow_outside, **options)
     if pose is not None:
         session.apply({"do": "pose", **pose})
@@ -135,7 +165,7 @@ def _parse(arguments):
     parser = argparse.ArgumentParser(
         prog=_name(),
         description="Look at a scene through one graph, or several side by side, live in a browser. The page is served on the "
-        "loopback address alone; over ssh, forward the port that is printed: ssh -L PORT:127.0.0.1:PORT.",
+        "loopback address alone; over ssh, forward the port that is printed: ssh -L PORT:127.0.0.1:PORT HOST.",
     )
     parser.add_argument("graphs", metavar="GRAPH", nargs="+", help="graph files, up to 4")
     parser.add_argument("--scene", required=True, help="glTF file")

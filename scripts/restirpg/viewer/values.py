@@ -2,15 +2,21 @@
 
 import json
 import math
+import sys
 
 from restirpg.harness import UserError
 
 
-def as_number(value, low=-1e6, high=1e6):
-    """The number, clamped to low..high."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+def as_finite(value):
+    """The number, which a float can hold."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max:
         raise UserError(f"{value!r} is no number")
-    return min(high, max(low, value))
+    return value
+
+
+def as_number(value, low=-1e6, high=1e6):
+    """The number, clamped to low..high: how far a hand goes at once."""
+    return min(high, max(low, as_finite(value)))
 
 
 def as_json(value):

@@ -19,7 +19,7 @@ LightReservoir held_by(uint participant, LightPoint y)
         Surface today = load_surface(hit, false);
         Surface then = load_surface(hit, merge.previous);
         vec3 camera = merge.previous ? frame.c.previousCamera.position : frame.c.camera.position;
-        d = Domain(shade_surface(then, normalize(camera - then.position)), ray_end(today), merge.previous);
+        d = Domain(shade_for_camera(then, camera), ray_end(today), merge.previous);
     }
     float unhidden = luminance(direct_contribution(d.point, edge_to_light(y, d.point.position, d.previous)));
     r.point = y;

@@ -1,6 +1,7 @@
 // The Jacobian that a shift claims, against finite differences. Of each rough replayed bounce the random numbers are varied, of the
-// edge that reconnects its end; the solid angle that the directions then span, in the image's domain over that in the path's own, is
-// the bounce's part of the Jacobian, whose matrix is block triangular. Delta bounces and copied directions count 1.
+// edge that reconnects its end; what the directions then span, in the image's domain over that in the path's own, is the bounce's part of
+// the Jacobian, whose matrix is block triangular. Its measure is the one that the shift's f is in: a solid angle counts as many times as f
+// has been divided by. Delta bounces and copied directions count 1.
 // Writes kind, measured over claimed Jacobian, the claimed one, and whether there was one.
 #version 460
 #include "prelude.glsl"
@@ -31,6 +32,18 @@ float replayed_density(PathReservoir r, uint bounce, ShadingPoint p)
         directions[i] = s.wi;
     }
     return density(directions, h);
+}
+
+/// The density that a shift divides the value of a replayed bounce by: f |cos| over what the bounce, from where `path` stands, is in f.
+float measure_of_bounce(PathReservoir r, uint bounce, PartialPath path)
+{
+    ShadingPoint p = path.point;
+    path.f = vec3(1.0);
+    if (!replay_bounce(r, bounce, path))
+        return 0.0;
+    vec3 local = to_local(p.local_frame, path.wi);
+    vec3 value = bsdf_eval(p.bsdf, p.wo, local, label_lobes(p.bsdf, path_label(r.labels, bounce))) * abs(local.z);
+    return luminance(value) / luminance(path.f);
 }
 
 /// Of the directions from p to the place where the path reconnects. Punctual lights have no place to vary: 1.
@@ -64,7 +77,7 @@ float path_density(PathReservoir r, ShadingPoint x1)
         PartialPath path;
         if (!replay(r, x1, u - 1u, path))
             return 0.0;
-        product *= u <= replayed ? replayed_density(r, u, path.point) : connected_density(r, path.point);
+        product *= u <= replayed ? replayed_density(r, u, path.point) * measure_of_bounce(r, u, path) : connected_density(r, path.point);
     }
     return product;
 }

@@ -57,14 +57,26 @@ float weight_sum(PathReservoir y, uint holder)
     bool previous = params.way == WAY_PREVIOUS;
     float sum = previous ? 0.0 : confidence / (confidence + pair_confidence);
     for (uint i = 0u; i < pair_count; ++i) {
-        PathReservoir source = held[i];
-        PathReservoir image;
-        float jacobian = 0.0;
-        float there = shift_to(y, pair_domain[i], image, jacobian) ? luminance(image.f) * jacobian : 0.0;
-        if (i != holder)
-            source = image;
-        if ((i != holder && there <= 0.0) || !shift_to(source, here, image, jacobian))
-            jacobian = 0.0;
+        // First this pixel's path in the pair's domain, then the pair's path in this one. What the pair holds is the image, unless it is the
+        // holder. jacobian 0: the pair could not hold it.
+        PathReservoir source = y, image;
+        ShadingPoint domain = pair_domain[i];
+        float there = 0.0, jacobian;
+        for (uint step = 0u; step < 2u; ++step) {
+            if (!shift_to(source, domain, image, jacobian))
+                jacobian = 0.0;
+            if (step == 1u)
+                break;
+            there = jacobian > 0.0 ? luminance(image.f) * jacobian : 0.0;
+            if (i != holder && there <= 0.0) {
+                jacobian = 0.0;
+                break;
+            }
+            source = held[i];
+            if (i != holder)
+                source = image;
+            domain = here;
+        }
         sum += previous ? temporal_sum(y, there, source, jacobian) : spatial_sum(i, y, there, source, jacobian);
     }
     return sum;

@@ -21,34 +21,28 @@ bool same_path(PathReservoir a, PathReservoir b)
 
 vec4 round_trip(PathReservoir path, ShadingPoint here, ShadingPoint there)
 {
-    PathReservoir image, back;
-    float jacobian, inverse;
-    bool has_image = shift_to(path, there, image, jacobian);
+    PathReservoir moved = path, image;
+    ShadingPoint domain = here, other = there;
     uint kind;
-    bool canonical = true;
-    PathReservoir inspected = path;
-    ShadingPoint domain = here;
-    for (uint i = 0u; i < (has_image ? 2u : 1u); ++i) {  // one place of the code, not two: compilers copy it
-        bool filed;
-        uint found = inspect(inspected, domain, filed);
-        kind = i == 0u ? found : kind;
-        canonical = canonical && filed;
-        inspected = image;
+    float f_error = 0.0, product = 1.0;
+    for (uint leg = 0u; leg < 2u; ++leg) {  // there and back: one place of the code, not two, for compilers copy it
+        bool canonical;
+        uint found = inspect(moved, domain, canonical);
+        kind = leg == 0u ? found : kind;
+        if (!canonical)
+            return vec4(kind, 0.0, 0.0, TRIP_MISFILED);
+        float jacobian;
+        if (!shift_to(moved, other, image, jacobian))
+            return vec4(kind, 0.0, 0.0, leg == 0u ? TRIP_NO_IMAGE : TRIP_LOST);
+        // Where the path stays, its image is the path, and each J alone has to be 1.
+        product = params.way == WAY_STAY && leg == 1u ? product : product * jacobian;
+        if (params.way == WAY_STAY || leg == 1u)
+            f_error = max(f_error, difference(path.f, image.f));
+        moved = image;
         domain = there;
+        other = here;
     }
-    if (!canonical)
-        return vec4(kind, 0.0, 0.0, TRIP_MISFILED);
-    if (!has_image)
-        return vec4(kind, 0.0, 0.0, TRIP_NO_IMAGE);
-    if (!shift_to(image, here, back, inverse))
-        return vec4(kind, 0.0, 0.0, TRIP_LOST);
-    float f_error = difference(path.f, back.f);
-    if (params.way == WAY_STAY) {
-        // Here the image is the path, and J alone has to be 1.
-        f_error = max(f_error, difference(path.f, image.f));
-        inverse = 1.0;
-    }
-    return vec4(kind, f_error, abs(jacobian * inverse - 1.0), same_path(path, back) ? TRIP_RETURNED : TRIP_CHANGED);
+    return vec4(kind, f_error, abs(product - 1.0), same_path(path, moved) ? TRIP_RETURNED : TRIP_CHANGED);
 }
 
 void main()

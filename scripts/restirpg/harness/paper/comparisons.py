@@ -79,7 +79,8 @@ def figure_1(paper):
     runs = results.runs[0]
     shown, crops = columns(runs, SHOWN)
     exposure = pictures.exposure_of(runs.reference["mean"])
-    drawing = pictures.teaser(name_of(runs.scene), exposure, crops, shown[-1], [*shown[1:], shown[0]])
+    truth = pictures.Picture(shown[0].title, shown[0].image, "")
+    drawing = pictures.teaser(name_of(runs.scene), exposure, crops, shown[-1], [*shown[1:], truth])
     text = f"Crops of the four methods in {name_of(runs.scene)}. {METRIC}"
     return Section("Figure 1: teaser", text, [Picture("figure_1", "Figure 1: crops of the four methods.", drawing)])
 

@@ -3,7 +3,7 @@
     scripts/reproduce.py --paper-size SCENE[@WxH]... [--list] [--out out/paper_size] [options of scripts/compare.py]
     scripts/reproduce.py --paper-size --collect out/paper_size [--results FOLDER]
 
-The first line is scripts/compare.py with the options below on each scene in turn. The reference is rendered, and errors
+The first line is scripts/compare.py with the graphs and defaults below on each scene in turn. The reference is rendered, and errors
 are measured, in random tiles alone. Finished runs are kept in OUT/cache, one a (scene, method, seed), each under a
 checksum: the same command goes on where it was interrupted, and another number of --reference-frames takes no run
 again. --scheduler spreads the runs over machines, as for scripts/compare.py. --list says how many hours each scene
@@ -14,15 +14,16 @@ scripts/compare.py.
 import argparse
 import csv
 import io
+import math
 from pathlib import Path
 
 import restirpg
+from restirpg import commands
 from restirpg.harness import UserError, compare, files, program, render
 
 GRAPHS = ("restir_pt", "restir_pg", "raw_pt_ruppert2020", "raw_pt_derevyannykh2022", "restir_pg_plus")
 FIRST, OURS, RUPPERT = GRAPHS[0], GRAPHS[1], GRAPHS[2]
-FRAMES, TILES, TILE_SIDE, REFERENCE_FRAMES = 20, 64, 24, 1024
-SIZE = "1920x1080"
+FRAMES = 20
 #: Microseconds per pixel and frame on two cores: of veach_ajar on the fastest machine seen, of living_room on the slowest.
 COSTS = (10.0, 28.0)
 
@@ -33,35 +34,58 @@ def graph_file(name):
 
 
 def scene_at_size(text):
-    """`SCENE[@WxH]`: the file and `WxH`."""
+    """`SCENE[@WxH]`: the file and (W, H), or None."""
     scene, _, size = text.partition("@")
-    program.size(size or SIZE)
-    return scene, size or SIZE
+    return scene, program.size(size) if size else None
 
 
-def fixed_options():
-    """Of scripts/compare.py."""
-    return [
-        "--at", ",".join(map(str, range(FRAMES // 2 + 1, FRAMES + 1))), "--tiles", str(TILES), "--seeds", "1",
-        # At equal time its frames have half the variance of path tracing's; it shares no seed with the methods.
-        "--reference-graph", graph_file(OURS), "--reference-frames", str(REFERENCE_FRAMES), "--reference-batches", "16",
-    ]  # fmt: skip
+#: Of scripts/compare.py, written as on its command line.
+DEFAULTS = {
+    "size": "1920x1080",
+    "at": ",".join(map(str, range(FRAMES // 2 + 1, FRAMES + 1))),
+    "tiles": 64,
+    "seeds": 1,
+    # At equal time its frames have half the variance of path tracing's; it shares no seed with the methods.
+    "reference_graph": graph_file(OURS),
+    "reference_frames": 1024,
+    "reference_batches": 16,
+    "out": "out/paper_size",
+    "self_test": False,
+    "trials": 60,
+}
 
 
 def parse(arguments):
-    """The command line, and what of it compare.py is given."""
+    """The command line."""
     parser = argparse.ArgumentParser(
         prog="reproduce.py --paper-size", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument(
-        "scenes", nargs="*", type=scene_at_size, metavar="SCENE[@WxH]", help=f"scene files; pixels ({SIZE})"
+        "scenes", nargs="*", type=scene_at_size, metavar="SCENE[@WxH]", help="scene files; pixels (those of --size)"
     )
     parser.add_argument("--list", action="store_true", help="say about how many hours each scene takes, and end")
-    parser.add_argument("--out", default="out/paper_size", help="folder of runs and reports (%(default)s)")
     parser.add_argument("--device", metavar="NAME", help="what renders the methods (the best device)")
     parser.add_argument("--collect", metavar="FOLDER", help="write the table of what is finished there")
     parser.add_argument("--results", metavar="FOLDER", help="where --collect writes (the folder that it reads)")
-    return parser.parse_known_args(arguments)
+    compare.add_options(parser, **DEFAULTS)
+    return commands.parsed(parser, arguments)
+
+
+def check(options):
+    """Raise UserError where a scene is not there, or the command line has what would change nothing."""
+    if options.collect:
+        if options.scenes or options.list:
+            raise UserError("--collect reads what is finished; leave out --list and the scenes")
+        return
+    if options.results:
+        raise UserError("--results is where --collect writes; add --collect, or leave it out")
+    if not options.scenes:
+        raise UserError("no scene given; name one or more, as in scripts/reproduce.py --paper-size veach_ajar.glb")
+    for scene, _ in options.scenes:
+        if not Path(scene).is_file():
+            raise UserError(f"{scene}: no such scene; scripts/make_scenes.py writes the embedded ones to out/scenes")
+    if not options.list:
+        refuse_one_folder_for_two(options.scenes)
 
 
 def refuse_one_folder_for_two(scenes):
@@ -75,36 +99,40 @@ def refuse_one_folder_for_two(scenes):
             )
 
 
-def record(options, further):
+def record(options):
     """Compare on each scene; returns the largest exit code, at once where a mistake or a signal ended one."""
     worst = 0
     for scene, size in options.scenes:
         out = Path(options.out)
         device = f",device={options.device}" if options.device else ""
         graphs = [f"{graph_file(name)}@label={name}{device}" for name in GRAPHS]
-        own = [
-            "--scenes",
-            scene,
-            "--size",
-            size,
-            "--out",
-            str(out / Path(scene).stem),
-            "--cache",
-            str(out / "cache"),
-        ]
-        code = compare.main([*graphs, *own, *fixed_options(), *further])
+        own = {
+            "methods": graphs,
+            "scenes": [scene],
+            "size": size or options.size,
+            "out": str(out / Path(scene).stem),
+            "cache": options.cache or str(out / "cache"),
+        }
+        code = compare.run(argparse.Namespace(**{**vars(options), **own}), "reproduce.py", parse([]))
         worst = max(worst, code)
         if code > 1:
             break
     return worst
 
 
+#: Columns of a tiles.csv as they were called before, and as they are.
+RENAMED = {"gpu_ms": "gpu_ms_per_frame", "wall_ms": "wall_ms_per_frame"}
+
+
 def read_rows(folder):
-    """The rows of every scene's tiles.csv, with the scene's name in place of its file."""
+    """The rows of every scene's tiles.csv, older ones too, with the scene's name in place of its file."""
     rows = []
     for file in sorted(Path(folder).glob("*/tiles.csv")):
         with open(file, newline="") as stream:
-            rows += [{**row, "scene": Path(row["scene"]).stem} for row in csv.DictReader(stream)]
+            rows += [
+                {RENAMED.get(name, name): value for name, value in {**row, "scene": Path(row["scene"]).stem}.items()}
+                for row in csv.DictReader(stream)
+            ]
     if not rows:
         raise UserError(f"{folder}: no scene is finished there; each has a tiles.csv in a folder of its own")
     return rows
@@ -143,19 +171,24 @@ def as_markdown(scenes):
     for scene, methods in scenes.items():
         for name, row in methods.items():
             value = {key: float(text) for key, text in row.items() if key not in ("scene", "method")}
-            error = " ± ".join(f"{100 * value[key]:.2f}" for key in ("mape", "mape_se", "mape_reference_se"))
-            change = " ± ".join(f"{100 * value[key]:.2f}" for key in ("change", "change_se", "change_reference_se"))
+            error = _with_errors(value, "mape", "mape_se", "mape_reference_se")
+            change = _with_errors(value, "change", "change_se", "change_reference_se")
             tested = name != FIRST
             cells = [
                 scene,
                 name,
-                f"{error}%",
-                f"{change}%" if tested else "",
+                error,
+                change if tested else "",
                 f"{value['p']:.1g}" if tested else "",
-                f"{value['gpu_ms'] / 1e3:.1f}",
+                f"{value['gpu_ms_per_frame'] / 1e3:.1f}",
             ]
             lines.append(f"| {' | '.join(cells)} |")
     return "\n".join([*lines, "", *(f"- {sentence(scene, methods)}" for scene, methods in scenes.items())]) + "\n"
+
+
+def _with_errors(value, *names):
+    """A number and its standard errors in percent; "—" where one is not known."""
+    return " ± ".join("—" if math.isnan(value[name]) else f"{100 * value[name]:.2f}" for name in names) + "%"
 
 
 def collect(folder, results):
@@ -173,33 +206,33 @@ def collect(folder, results):
     return 0
 
 
-def print_list(scenes):
+def print_list(options):
     """About how long each scene takes on two cores."""
-    for scene, size in scenes:
-        width, height = program.size(size)
-        methods = len(GRAPHS) * FRAMES * width * height
-        reference = REFERENCE_FRAMES * TILES * TILE_SIDE**2
+    frames = options.at[-1]
+    views = len(options.at) if options.circle or options.fps else 1
+    reference = views * options.reference_frames * options.tiles * options.tile_size**2
+    for scene, size in options.scenes:
+        width, height = size or options.size
+        methods = len(GRAPHS) * options.seeds * frames * width * height
         low, high = (1e-6 * cost * (methods + reference) / 3600 for cost in COSTS)
+        seeds = f", {options.seeds} seeds" if options.seeds > 1 else ""
         print(
-            f"{Path(scene).stem:24} {width}x{height}  {low:.1f} to {high:.1f} hours, {len(GRAPHS)} methods, {FRAMES} frames"
+            f"{Path(scene).stem:24} {width}x{height}  {low:.1f} to {high:.1f} hours, {len(GRAPHS)} methods, "
+            f"{frames} frames{seeds}"
         )
     return 0
 
 
 def main(arguments):
     """The command line. Returns the exit code."""
-    options, further = parse(arguments)
+    options = parse(arguments)
 
     def body(_):
         render.find_package()
+        check(options)
         if options.collect:
             return collect(options.collect, options.results or options.collect)
-        if not options.scenes:
-            raise UserError("no scene given; name one or more, as in scripts/reproduce.py --paper-size veach_ajar.glb")
-        if options.list:
-            return print_list(options.scenes)
-        refuse_one_folder_for_two(options.scenes)
-        return 0
+        return print_list(options) if options.list else 0
 
     code = program.run("reproduce.py", body)
-    return code if code or options.collect or options.list else record(options, further)
+    return code if code or options.collect or options.list else record(options)

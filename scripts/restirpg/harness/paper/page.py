@@ -93,7 +93,7 @@ def write(sections, paper, file, program):
     """Write pictures and CSV files beside the report, and the report itself."""
     folder = Path(file).parent
     findings = [scene for section in sections for scene in section.comparisons]
-    views, shared = report.scene_views(findings)
+    views, shared = report.scene_views(findings, "its study, a family of its own")
     view_of = {id(scene): view for scene, view in zip(findings, views)}
     parts = []
     for section in sections:
@@ -121,7 +121,8 @@ def write(sections, paper, file, program):
         ("size, frames, seeds", f"{size.size[0]}x{size.size[1]}, {size.frames}, {size.seeds} ({size.name})"),
         (
             "reference",
-            f"{size.reference_frames} frames of {Path(size.reference_graph).name} in {size.reference_batches} batches",
+            f"{size.reference_frames} frames of {Path(size.reference_graph).name} in {size.reference_batches} batches; "
+            f"of each frame of figure 7 and motion {size.motion_reference_frames}",
         ),
     ]
     text = report.template("paper.html.j2").render(

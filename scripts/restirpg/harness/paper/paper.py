@@ -121,8 +121,10 @@ class Paper:
         results = self._results[study]
         if folder:
             files.make_folder(self.out / folder, "--out")
-            csv_files.write_csv(results.findings, self.out / folder)
-            report.write_pictures(results.findings, self.out / folder)
+            tables = csv_files.write_csv(results.findings, self.out / folder)
+            files.remove_earlier(
+                self.out / folder, [*tables, *report.write_pictures(results.findings, self.out / folder)]
+            )
         return results
 
     def call(self, function, scene, graph, **settings):

@@ -107,8 +107,9 @@ def rows(scenes):
     return figure
 
 
-def teaser(name, exposure, crops, whole, pictures):
-    """One large picture and, beside it, its crops by every method with errors, as figure 1 of the paper."""
+def teaser(name, exposure, crops, whole, pictures, measured="MAPE of the whole picture"):
+    """One large picture and, beside it, its crops by every method, as figure 1 of the paper. `measured` says what the
+    lines under the crops are."""
     corners, side = crops
     height, width = whole.image.shape[:2]
     figure = Figure(figsize=(15.4, 4.6))
@@ -116,8 +117,8 @@ def teaser(name, exposure, crops, whole, pictures):
     share = 3.7 * width / height / 15.4
     axes = figure.add_axes((0.005, 0.1, share, 0.8))
     _show(axes, displayable(whole.image, exposure))
-    axes.set_title(f"{name}: {whole.title}", fontsize=11)
-    figure.text(0.005 + share / 2, 0.03, whole.line, ha="center", fontsize=10)
+    axes.set_title(f"{name}: {whole.title}", fontsize=13)
+    figure.text(0.005 + share, 0.03, f"{measured}:", ha="right", fontsize=12)
     step = (0.99 - share - 0.01) / len(pictures)
     for at, picture in enumerate(pictures):
         left = share + 0.015 + at * step
@@ -128,6 +129,6 @@ def teaser(name, exposure, crops, whole, pictures):
             _show(crop, displayable(picture.image, exposure)[y : y + side, x : x + side])
             _frame(crop, colour)
             if number == 0:
-                crop.set_title(picture.title, fontsize=9.5)
-        figure.text(left + step / 2, 0.03, picture.line, ha="center", fontsize=9)
+                crop.set_title(picture.title, fontsize=10.5)
+        figure.text(left + step / 2, 0.03, picture.line, ha="center", fontsize=12)
     return figure

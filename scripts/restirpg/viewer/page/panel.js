@@ -73,7 +73,9 @@ export class Panel {
         if (knob.type === "string")
             return element("input", { type: "text", onchange: event => send(event.target.value) });
         const step = knob.type === "float" ? "any" : 1;
-        return element("input", { type: "number", step, onchange: event => send(Number(event.target.value)) });
+        // What is no number, as an emptied field, goes back to what was there.
+        const change = ({ target }) => target.value === "" ? target.value = target.defaultValue : send(Number(target.value));
+        return element("input", { type: "number", step, onchange: change });
     }
 
     fill(built, pane) {
@@ -81,12 +83,14 @@ export class Panel {
             for (const knob of pass.knobs) {
                 const { input, line } = built.inputs.get(`${pass.name}.${knob.name}`);
                 line.classList.toggle("changed", knob.value !== knob.initial);
+                const value = knob.type === "float" ? Number(Number(knob.value).toPrecision(7)) : knob.value;
+                input.defaultValue = value;
                 if (document.activeElement === input && input.type !== "checkbox" && input.tagName !== "SELECT")
                     continue;
                 if (input.type === "checkbox")
-                    input.checked = knob.value;
+                    input.checked = value;
                 else
-                    input.value = knob.type === "float" ? Number(Number(knob.value).toPrecision(7)) : knob.value;
+                    input.value = value;
             }
         built.port.value = pane.port ?? "";
     }
@@ -150,7 +154,8 @@ export class Panel {
         const rows = values => Object.entries(values).map(([name, value]) => element("tr", {}, element("td", { textContent: name }), element("td", { textContent: text(value) })));
         const ask = (pane, product) => () => this.page.send("guide", { pane, x: pixel.x, y: pixel.y, product });
         this.guide = element("div");
-        this.pixel.replaceChildren(element("h2", { textContent: `pixel ${pixel.x}, ${pixel.y}` }), element("table", {}, ...rows(pixel.geometry)),
+        const geometry = pixel.geometry ? element("table", {}, ...rows(pixel.geometry)) : element("div", { textContent: "it shows no surface" });
+        this.pixel.replaceChildren(element("h2", { textContent: `pixel ${pixel.x}, ${pixel.y}` }), geometry,
             ...pixel.panes.flatMap((values, i) => [
                 element("div", { textContent: this.page.state.panes[i].name, style: `color: ${COLOURS[i]}` }), element("table", {}, ...rows(values)),
                 ...Object.entries(pixel.reservoirs[i]).map(([port, lines]) => element("div", { className: "reservoir" }, element("b", { textContent: port }),

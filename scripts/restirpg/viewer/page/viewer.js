@@ -224,14 +224,16 @@ class Page {
         this.measure(header);
         this.showTime(header.time);
         this.panel.showFrame(header);
-        this.showFilm(header.film);
+        this.showFilm(header.film, header.filmed);
         this.send("shown");
     }
 
-    // The film at hand, if there is one; where it is once it has ended.
-    showFilm(film) {
-        if (this.filming && !film)
-            this.report(`the film is in ${this.filming.folder}`, "note");
+    // The film at hand, if there is one; where the last one is, once it has ended. A short film may begin and end between two frames that
+    // the page gets.
+    showFilm(film, filmed) {
+        if (this.filmed !== undefined && this.filmed !== filmed)
+            this.report(`the film is in ${filmed}`, "note");
+        this.filmed = filmed;
         this.filming = film;
         $("film").textContent = film ? `stop (${film.done} of ${film.count})` : "record";
     }
@@ -277,7 +279,10 @@ class Page {
         $("copy").onchange = event => {
             const kind = event.target.value;
             event.target.value = "";
-            this.copy(kind === "command" ? this.command() : this.state[kind]);
+            if (kind === "command")
+                this.copyCommand();
+            else
+                this.copy(this.state[kind]);
         };
         $("reference").onchange = event => this.send("reference", { source: event.target.value });
         $("film").onclick = () => this.send("film", { frames: this.filming ? 0 : Number($("length").value), kind: $("kind").value });
@@ -287,10 +292,18 @@ class Page {
             button.onclick = () => this.stage.set({ mode: button.dataset.mode });
     }
 
-    // The command line of the left picture as it is shown.
+    // The command line of the left picture as it is shown, if there is one.
     command() {
         const panes = this.header?.panes;
-        return panes ? panes[Math.min(this.stage.look.a, panes.length - 1)].command : "no picture has come yet";
+        return panes?.[Math.min(this.stage.look.a, panes.length - 1)].command;
+    }
+
+    copyCommand() {
+        const command = this.command();
+        if (command)
+            this.copy(command);
+        else
+            this.report(this.header ? "With kept history there is no command line: the picture depends on earlier moves of the camera." : "No picture has come yet.");
     }
 
     async copy(text) {

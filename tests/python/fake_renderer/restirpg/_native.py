@@ -1,7 +1,8 @@
 """Stands in for the renderer in tests of the harness: noise of known mean, variance and correlation.
 
 A scene is a file; a graph is JSON whose pass "paths" has the knobs of DEFAULTS. Times are made up and
-depend on nothing but knobs, so that whole tables can be compared.
+depend on nothing but knobs, so that whole tables can be compared. Runs with the knob `sleep` wait before each frame as
+long as there is the file that FAKE_RENDERER_HOLD names.
 """
 
 import hashlib
@@ -44,8 +45,9 @@ class _Graph:
 class _Scene:
     bounce_cap = None
 
-    def __init__(self, text):
+    def __init__(self, text, environment):
         self.hash = hashlib.sha256(text.encode()).hexdigest()
+        self.environment_hash = hashlib.sha256(environment).hexdigest() if environment else ""
         self.animation_keys = json.loads(text) if text else []
 
 
@@ -55,7 +57,8 @@ def load_scene(file, camera=0, environment=None, allow_outside=False):
         raise Error(f"{file}: not a scene")
     if "outside" in Path(file).name and not allow_outside:
         raise Error(f"{file}: buffers[0] lies outside of the scene's folder")
-    return _Scene(Path(file).read_text())
+    sky = Path(environment or "")
+    return _Scene(Path(file).read_text(), sky.read_bytes() if sky.is_file() else b"")
 
 
 def load_graph(file):
@@ -157,7 +160,10 @@ class Renderer:
             raise Error("the device was lost")
         if self.seed == knobs["crash_seed"] and self._frames > 1:
             os.kill(os.getpid(), signal.SIGSEGV)
+        hold = os.environ.get("FAKE_RENDERER_HOLD", "") if knobs["sleep"] else ""
         for _ in range(count):
+            while os.path.exists(hold):
+                time.sleep(0.01)
             time.sleep(knobs["sleep"])
             size = knobs["blotch"] or 1
             fresh = self._random.gamma(1, 1, (-(-height // size), -(-width // size), 1)) - 1
@@ -210,7 +216,16 @@ def read_exr(file):
         raise Error(f"{file}: cannot be read: {error}") from None
 
 
+def read_exr_attributes(file):
+    """What write_exr was given; none of a plain .npy file."""
+    read_exr(file)
+    with open(file, "rb") as stream:
+        np.load(stream)
+        return json.loads(stream.read() or "{}")
+
+
 def write_exr(file, layers, half=False, attributes=None):
-    """The first layer as .npy, whatever the name says."""
+    """The first layer as .npy, whatever the name says, and the attributes after it."""
     with open(file, "wb") as stream:
         np.save(stream, next(iter(layers.values())))
+        stream.write(json.dumps(attributes or {}).encode())
