@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Tables of benchmarks/results, written from the CSV beside them.
+"""Tables of README.md and benchmarks/results, written from the CSV beside them.
 
     benchmarks/result_tables.py [--check] [PAGE.md ...]
 
@@ -7,23 +7,25 @@ A page marks a table by a comment, and this program writes the table below it:
 
     <!-- table: runs.csv frame=12 value=mape against=restir_pg -->
 
-The file is the runs.csv of scripts/compare.py. Columns are its scenes, rows its methods: the mean over seeds of the
-value at that frame, ± one standard error, and the change against a method, paired by seed or tile. `value` is a column
-of the file (mape, relmse; gpu_ms_total, in older files gpu_ms: per frame), `methods=a,b` and `scenes=a,b` choose and
-order. --check changes nothing and says which tables are not what their file says.
+The file is the runs.csv of scripts/compare.py, or has its columns scene, method, seed or tile, and values, without
+frames. Columns are its scenes, rows its methods: the mean over seeds of the value at that frame, ± one standard error,
+and the change against a method, paired by seed or tile. `value` is a column of the file (mape, relmse; gpu_ms_total, in
+older files gpu_ms: per frame), `methods=a,b` and `scenes=a,b` choose and order, and a method's name as an option gives
+its row a title: restir_pt="no guiding". --check changes nothing and says which tables are not what their file says.
 """
 
 import argparse
 import csv
 import math
 import re
+import shlex
 import sys
 from pathlib import Path
 
 from restirpg.harness import UserError, files, program, statistics
 from restirpg.nearest import did_you_mean
 
-RESULTS = Path(__file__).resolve().parent / "results"
+ROOT = Path(__file__).resolve().parents[1]
 MARKED = re.compile(r"(<!-- table: (?P<file>\S+) (?P<options>.*?) -->\n)\n?(?:\|.*\n)*\n*")
 OPTIONS = {"frame", "value", "against", "methods", "scenes"}
 
@@ -38,24 +40,27 @@ def check_name(page, option, name, names):
 
 
 def read_runs(page, file, frame, value):
-    """{(scene, method): {seed or tile: value}} of one frame of the page's file; summed times become those of one
-    frame."""
-    if not (frame.isascii() and frame.isdigit()):
-        raise UserError(f"{page}: frame={frame}: it is a whole number, as in frame=12")
+    """{(scene, method): {seed or tile: value}} of the page's file, of one frame if it has frames; summed times become
+    those of one frame."""
     try:
         with open(page.parent / file, newline="") as stream:
             rows = list(csv.DictReader(stream))
     except OSError as error:
         raise UserError(f"{page}: its file {page.parent / file} cannot be read: {error.strerror}") from None
     columns = list(rows[0]) if rows else []
-    if not {*NAMES[:3]} <= set(columns):
-        raise UserError(
-            f"{page}: {file} is no runs.csv of scripts/compare.py: it lacks {', '.join(NAMES[:3])}, or a row"
-        )
+    if not {*NAMES[:2]} <= set(columns) or not {*NAMES[3:]} & set(columns):
+        raise UserError(f"{page}: {file} is no runs.csv of scripts/compare.py: it lacks scene, method, seed, or a row")
+    if "frame" not in columns:
+        if frame is not None:
+            raise UserError(f"{page}: frame={frame}: {file} has no column of frames; leave it out")
+    elif frame is None:
+        raise UserError(f"{page}: frame must be given, as in frame=12: {file} has several")
+    elif not (frame.isascii() and frame.isdigit()):
+        raise UserError(f"{page}: frame={frame}: it is a whole number, as in frame=12")
     check_name(page, "value", value, [name for name in columns if name not in NAMES])
     runs = {}
     for row in rows:
-        if row["frame"] != frame:
+        if row.get("frame") != frame:
             continue
         try:
             number = float(row[value]) / (int(frame) if value.endswith(("_ms", "_ms_total")) else 1)
@@ -86,11 +91,10 @@ def cell(runs, baseline, percent):
 
 def table(page, file, options):
     """The Markdown table that a marker of the page asks for."""
-    unknown = options.keys() - OPTIONS
-    if unknown or not {"frame", "value"} <= options.keys():
-        raise UserError(f"{page}: a table takes {', '.join(sorted(OPTIONS))}; frame and value must be given")
+    if "value" not in options:
+        raise UserError(f"{page}: a table takes {', '.join(sorted(OPTIONS))}; value must be given")
     value, against = options["value"], options.get("against")
-    runs = read_runs(page, file, options["frame"], value)
+    runs = read_runs(page, file, options.get("frame"), value)
     chosen = {}
     for place, name in enumerate(("scenes", "methods")):
         known = list(dict.fromkeys(key[place] for key in runs))
@@ -99,6 +103,8 @@ def table(page, file, options):
             check_name(page, name, one, known)
     if against is not None:
         check_name(page, "against", against, known)
+    for name in options.keys() - OPTIONS:
+        check_name(page, "an option", name, [*sorted(OPTIONS), *known])
     lines = [["", *chosen["scenes"]], ["---"] * (len(chosen["scenes"]) + 1)]
     for method in chosen["methods"]:
         cells = [
@@ -109,7 +115,7 @@ def table(page, file, options):
             else "—"
             for scene in chosen["scenes"]
         ]
-        lines.append([method, *cells])
+        lines.append([options.get(method, method), *cells])
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
@@ -117,7 +123,7 @@ def rewritten(page):
     """The page's text with its tables as their files give them."""
 
     def write(match):
-        options = dict(option.partition("=")[::2] for option in match["options"].split())
+        options = dict(option.partition("=")[::2] for option in shlex.split(match["options"]))
         return f"{match[1]}\n{table(page, match['file'], options)}\n"
 
     return MARKED.sub(write, page.read_text())
@@ -126,10 +132,11 @@ def rewritten(page):
 def main(arguments):
     """Write or check the pages. Returns 1 where a checked table is out of date."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("pages", type=Path, nargs="*", help="Markdown files (default: all of benchmarks/results)")
+    parser.add_argument("pages", type=Path, nargs="*", help="Markdown files (default: README.md and all of benchmarks/results)")
     parser.add_argument("--check", action="store_true", help="change nothing, name the pages that would change")
     options = parser.parse_args(arguments)
-    changed = [page for page in options.pages or sorted(RESULTS.rglob("*.md")) if page.read_text() != rewritten(page)]
+    pages = options.pages or [ROOT / "README.md", *sorted((ROOT / "benchmarks/results").rglob("*.md"))]
+    changed = [page for page in pages if page.read_text() != rewritten(page)]
     for page in changed:
         if not options.check:
             files.write(page, rewritten(page).encode())

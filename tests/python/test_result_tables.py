@@ -63,6 +63,16 @@ def test_tiles_are_paired_as_seeds_are(tmp_path):
     assert TABLE in page.read_text()
 
 
+def test_a_file_without_frames_is_read_and_rows_take_titles(tmp_path):
+    (tmp_path / "runs.csv").write_text("".join(line.replace(",4,", ",") + "\n" for line in RUNS.splitlines()).replace(",frame", ""))
+    page = tmp_path / "page.md"
+    page.write_text('<!-- table: runs.csv value=mape against=first first="no guiding, as it is" -->\n')
+    assert run(page).returncode == 0
+    assert TABLE.replace("| first |", "| no guiding, as it is |") in page.read_text()
+    page.write_text(f"{MARKER}\n")
+    assert "frame=4: runs.csv has no column of frames; leave it out" in run(page).stderr
+
+
 def test_a_figure_that_the_file_does_not_have_is_found(page):
     run(page)
     assert run("--check", page).returncode == 0
@@ -74,7 +84,9 @@ def test_a_figure_that_the_file_does_not_have_is_found(page):
 @pytest.mark.parametrize(
     "options, words",
     [
-        ("frame=4", "frame and value must be given"),
+        ("frame=4", "value must be given"),
+        ("value=mape", "frame must be given, as in frame=12: runs.csv has several"),
+        ("frame=4 value=mape secnd=other", "an option=secnd: there are: against, frame, methods, scenes, value, first, second"),
         ("frame=5 value=mape", "frame=5: no run of runs.csv has it"),
         ("frame=last value=mape", "frame=last: it is a whole number"),
         ("frame=4 value=mapee", "value=mapee: there are: mape, gpu_ms; did you mean 'mape'?"),
