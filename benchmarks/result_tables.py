@@ -132,7 +132,9 @@ def rewritten(page):
 def main(arguments):
     """Write or check the pages. Returns 1 where a checked table is out of date."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("pages", type=Path, nargs="*", help="Markdown files (default: README.md and all of benchmarks/results)")
+    parser.add_argument(
+        "pages", type=Path, nargs="*", help="Markdown files (default: README.md and all of benchmarks/results)"
+    )
     parser.add_argument("--check", action="store_true", help="change nothing, name the pages that would change")
     options = parser.parse_args(arguments)
     pages = options.pages or [ROOT / "README.md", *sorted((ROOT / "benchmarks/results").rglob("*.md"))]

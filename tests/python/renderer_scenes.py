@@ -5,6 +5,8 @@ import json
 import struct
 from pathlib import Path
 
+import pytest
+
 import restirpg
 
 ROOT = Path(__file__).parents[2]
@@ -24,6 +26,26 @@ def check_samples(renderer, invalid="invalid"):
     frames were. The graph must have Accumulate's count as an output."""
     dropped = renderer.output(invalid)
     assert dropped.max() == 0, f"{dropped.sum():.0f} samples were NaN, infinite or too large"
+
+
+def image_after(renderer, frames, output="image"):
+    """The output after so many more frames."""
+    renderer.render(frames)
+    return renderer.output(output)
+
+
+def refusal(action, *arguments, **keywords):
+    """The text of the restirpg.Error that the call must raise."""
+    with pytest.raises(restirpg.Error) as caught:
+        action(*arguments, **keywords)
+    return str(caught.value)
+
+
+def one_line_refusal(action, *arguments, **keywords):
+    """That text, which must be one line."""
+    text = refusal(action, *arguments, **keywords)
+    assert "\n" not in text
+    return text
 
 
 def frame_graph(**accumulate):

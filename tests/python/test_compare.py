@@ -6,14 +6,13 @@ import io
 import json
 import re
 import subprocess
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from harness_runs import ENVIRONMENT, ROOT, SCRIPT, by_method, changed, compare, write_graph
 
-from restirpg.harness import display, jobs, render, selftest, statistics
-from restirpg.harness.jobs import Call, Job, parse_method, seed_of
+from restirpg.harness import display
+from restirpg.harness.jobs import seed_of
 
 
 def write_exr(file, broken, value):
@@ -22,14 +21,6 @@ def write_exr(file, broken, value):
     image[0, :broken] = value
     with open(file, "wb") as stream:
         np.save(stream, image)
-
-
-def self_test(folder, *options):
-    """The harness's test of itself in `folder`, run to its end."""
-    write_graph(folder)
-    (folder / "scene.gltf").touch()
-    command = [*changed(), "--self-test", *options]
-    return subprocess.run(command, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True)
 
 
 def summary(folder, out="out"):
@@ -319,158 +310,3 @@ def test_a_mistake_is_one_line_and_exit_code_2(tmp_path, methods, options, words
     assert run.returncode == 2
     lines = [line for line in run.stderr.splitlines() if not line.startswith(("usage:", " "))]
     assert len(lines) == 1 and words in lines[0], run.stderr
-
-
-def job_of(**options):
-    """A job; options override."""
-    own = {"scene": "a.glb", "scene_hash": "1", "graph": "g.py", "description": "{}", "code": "c"}
-    return Job(**{**own, "size": (8, 8), "frames": 2, "seed": 3, **options})
-
-
-def test_a_job_is_named_by_its_content_alone():
-    job = job_of()
-    assert job.key == job_of(scene="b.glb", graph="h.py", label="x").key
-    others = [
-        job_of(**{name: value})
-        for name, value in [
-            ("scene_hash", "2"),
-            ("description", "[]"),
-            ("size", (8, 9)),
-            ("frames", 3),
-            ("seed", 4),
-            ("code", "d"),
-            ("knobs", (("a", 1),)),
-            ("bounces", 2),
-            ("environment", "1,1,1"),
-            ("reference", "r"),
-            ("backend", "rayquery"),
-            ("energy_compensation", True),
-        ]
-    ]
-    assert len({job.key, *(other.key for other in others)}) == 1 + len(others)
-
-
-def test_a_measurement_is_named_by_its_camera_and_its_environment_too():
-    """The hash of a scene tells files of environments apart, but no radiances."""
-    call = Call(job_of, "a.glb", "1", (), "c")
-    others = [replace(call, **own) for own in ({"environment": "1,1,1"}, {"environment": "2,2,2"}, {"camera": 1})]
-    assert len({call.key, *(other.key for other in others)}) == 1 + len(others)
-
-
-def test_a_run_that_measures_other_frames_is_another_job(monkeypatch):
-    job = job_of(frames=400, reference="r")
-    before = job.key
-    monkeypatch.setattr(jobs, "LAST_FRAMES", 40)
-    assert job.key != before
-
-
-def test_settings_of_a_method_keep_their_types(tmp_path):
-    graph = tmp_path / write_graph(tmp_path)
-    method = parse_method(f"{graph}@paths.nee=false,bounces=3,alpha=0.5,fit=em,backend=rayquery,label=A B")
-    assert method.knobs == (("paths.nee", False), ("bounces", 3), ("alpha", 0.5), ("fit", "em"))
-    assert (method.label, method.backend) == ("A B", "rayquery")
-
-
-def test_the_harness_passes_its_self_test(tmp_path):
-    # Null hypothesis: no more than 5% of trials between equal methods claim a difference. The rate aimed at
-    # is 2%: of 60 trials more than 3 alarm with a probability of 3%; base seed and outcome are fixed.
-    # The scene reads outside of its folder: the self-test, too, does so only where that is allowed.
-    (tmp_path / "outside.gltf").touch()
-    run = self_test(tmp_path, "plain.json", "--scenes", "outside.gltf", "--allow-outside", "--trials", "60")
-    assert run.returncode == 0, run.stdout + run.stderr
-    assert "found in 5 of 5 trials" in run.stdout and "smallest detectable bias is" in run.stdout
-
-
-@pytest.mark.parametrize(
-    "options, words",
-    [
-        (["--size", "64x36", "--seeds", "3"], "--self-test chooses its own --seeds, --size; leave out"),
-        (["--frames", "4"], "its own --frames;"),
-        (["--energy-compensation"], "its own --energy-compensation;"),
-        (["plain.json"], "--self-test reads one of the methods, not 2"),
-        (["--scenes", "a.glb", "b.glb"], "--self-test reads one of the scenes, not 2"),
-        (["--reference-graph", "other.json"], "--self-test reads --reference-graph where no method is given"),
-    ],
-)
-def test_the_self_test_refuses_what_it_would_ignore(tmp_path, options, words):
-    run = self_test(tmp_path, "plain.json", *options)
-    assert (run.returncode, run.stdout) == (2, "") and words in run.stderr and run.stderr.count("\n") == 1
-
-
-def test_trials_are_those_of_the_self_test(tmp_path):
-    run = compare(tmp_path, "plain.json", trials=3)
-    assert run.returncode == 2 and "--trials are those of --self-test" in run.stderr
-
-
-def test_the_self_test_fails_when_equal_methods_differ(tmp_path, monkeypatch):
-    # The injected error: a test that takes the standard error for a third of what it is.
-    random = np.random.default_rng(6)
-    truth = {
-        "mean": np.ones((32, 32, 3), np.float32),
-        "variance": np.zeros((32, 32, 3)),
-        "luminance_variance": np.array(0.0),
-        "batch_means": np.array([1.0]),
-        "batch_blocks": np.ones((1, 4, 4)),
-        "meta": {},
-    }
-
-    def result():
-        image = random.normal(1, 0.1, (32, 32, 3)).astype(np.float32)
-        curve = np.full(2, np.abs(image - 1).mean())
-        return {
-            "image": image,
-            "frame": image,
-            "frames": np.array([1, 2]),
-            "mape": curve,
-            "frame_mape": curve,
-            "relmse": curve**2,
-            "bias": curve,
-            "gpu_ms": np.array([1.0, 2.0]),
-            "wall_ms": np.array([1.0, 2.0]),
-            "temporal": np.zeros(4),
-            "meta": {"passes": {}, "memory": {}},
-        }
-
-    results = [result() for _ in range(2 * selftest.SEEDS * 40)]
-    assert len(selftest._false_alarms(truth, results, 40)[0]) <= 2
-    honest = statistics._t_test
-    monkeypatch.setattr(statistics, "_t_test", lambda difference, se, dof: honest(difference, se / 3, dof))
-    assert len(selftest._false_alarms(truth, results, 40)[0]) > 5
-
-
-def test_the_code_s_hash_is_that_of_its_files_wherever_they_lie(tmp_path, monkeypatch):
-    """A clone and its copy are alike; a shader that changes, or changes its name, is other code."""
-
-    def version(clone):
-        folder = tmp_path / clone
-        monkeypatch.setattr(render, "native_file", lambda: folder / "restirpg/b.so")
-        monkeypatch.setattr(render.restirpg, "code_paths", lambda: [folder / "shaders"], raising=False)
-        return render.code_version()
-
-    for clone in ("1", "2"):
-        for name in ("restirpg/b.so", "shaders/a.glsl"):
-            (tmp_path / clone / name).parent.mkdir(parents=True)
-            (tmp_path / clone / name).write_text(name)
-    first = version("1")
-    assert version("2") == first
-    (tmp_path / "2/shaders/a.glsl").rename(tmp_path / "2/shaders/b.glsl")
-    assert version("2") != first
-    (tmp_path / "1/shaders/a.glsl").write_text("another")
-    assert version("1") != first
-    monkeypatch.setenv("RESTIRPG_VALIDATION", "1")
-    assert version("2") not in (first, version("1"))
-
-
-def test_the_code_s_hash_is_of_what_the_driver_was_told_too(monkeypatch):
-    """The renderer itself asks for vectors of 128 bits where nobody else does."""
-    monkeypatch.setattr(render, "_code_files", list)
-    for name in render.OF_TIMES:
-        monkeypatch.delenv(name, raising=False)
-    usual, found = render.code_version(), []
-    for name, value in (("LP_NATIVE_VECTOR_WIDTH", "256"), ("LP_NUM_THREADS", "1"), ("GALLIVM_PERF", "nopt")):
-        with monkeypatch.context() as patch:
-            patch.setenv(name, value)
-            found.append(render.code_version())
-    assert len({usual, *found}) == 4
-    monkeypatch.setenv("LP_NATIVE_VECTOR_WIDTH", "128")
-    assert render.code_version() == usual

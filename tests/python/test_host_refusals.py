@@ -10,6 +10,7 @@ import threading
 import numpy as np
 import pytest
 from renderer_scenes import GRAPH, check_samples, make_renderer, restirpg, write_flying_panel
+from renderer_scenes import one_line_refusal as refusal
 
 
 @pytest.fixture(scope="module")
@@ -18,14 +19,6 @@ def renderer(scene):
     renderer = make_renderer(scene, size=(16, 16))
     renderer.render(1)
     return renderer
-
-
-def refusal(action, *arguments, **keywords):
-    """The one line of the restirpg.Error that the call must raise."""
-    with pytest.raises(restirpg.Error) as caught:
-        action(*arguments, **keywords)
-    assert "\n" not in str(caught.value)
-    return str(caught.value)
 
 
 def test_a_renderer_needs_a_scene_and_a_graph(scene):

@@ -4,20 +4,13 @@ import os
 
 import numpy as np
 import pytest
+from renderer_scenes import one_line_refusal as refusal
 from renderer_scenes import restirpg
 
 
 def random_image(seed, shape=(9, 7, 3)):
     """Values over several orders of magnitude."""
     return np.random.default_rng(seed).lognormal(0, 2, shape).astype(np.float32)
-
-
-def refusal(action, *arguments, **keywords):
-    """The one line of the restirpg.Error that the call must raise."""
-    with pytest.raises(restirpg.Error) as caught:
-        action(*arguments, **keywords)
-    assert "\n" not in str(caught.value)
-    return str(caught.value)
 
 
 def test_layers_of_any_float_array_come_back(tmp_path):

@@ -64,7 +64,9 @@ def test_tiles_are_paired_as_seeds_are(tmp_path):
 
 
 def test_a_file_without_frames_is_read_and_rows_take_titles(tmp_path):
-    (tmp_path / "runs.csv").write_text("".join(line.replace(",4,", ",") + "\n" for line in RUNS.splitlines()).replace(",frame", ""))
+    (tmp_path / "runs.csv").write_text(
+        "".join(line.replace(",4,", ",") + "\n" for line in RUNS.splitlines()).replace(",frame", "")
+    )
     page = tmp_path / "page.md"
     page.write_text('<!-- table: runs.csv value=mape against=first first="no guiding, as it is" -->\n')
     assert run(page).returncode == 0
@@ -86,7 +88,10 @@ def test_a_figure_that_the_file_does_not_have_is_found(page):
     [
         ("frame=4", "value must be given"),
         ("value=mape", "frame must be given, as in frame=12: runs.csv has several"),
-        ("frame=4 value=mape secnd=other", "an option=secnd: there are: against, frame, methods, scenes, value, first, second"),
+        (
+            "frame=4 value=mape secnd=other",
+            "an option=secnd: there are: against, frame, methods, scenes, value, first, second",
+        ),
         ("frame=5 value=mape", "frame=5: no run of runs.csv has it"),
         ("frame=last value=mape", "frame=last: it is a whole number"),
         ("frame=4 value=mapee", "value=mapee: there are: mape, gpu_ms; did you mean 'mape'?"),

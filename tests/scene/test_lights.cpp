@@ -1,4 +1,4 @@
-// The light table: powers, the alias method, the environment's density.
+// The light table: powers, the parts of textured emitters, the environment's density.
 #include "gltf_builder.h"
 
 #include "scene/lights.h"
@@ -17,46 +17,6 @@ using nlohmann::json;
 namespace {
 
 constexpr double PI = std::numbers::pi;
-
-/// Upper 1e-6 quantile of chi-square with k degrees of freedom [Wilson and Hilferty 1931]: the tests' false-alarm rate.
-double chiSquareLimit(double k)
-{
-    const double z = 4.7534, a = 2 / (9 * k);
-    return k * std::pow(1 - a + z * std::sqrt(a), 3);
-}
-
-/// Chi-square statistic of `samples` alias draws against `pmf`; infinite when a cell of probability 0 was hit.
-double chiSquare(const std::vector<AliasColumn>& table, const std::vector<float>& pmf, int samples, uint32_t seed)
-{
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<float> uniform(0, 1);
-    std::uniform_int_distribution<uint32_t> column(0, uint32_t(table.size() - 1));
-    std::vector<int> hits(table.size());
-    for (int i = 0; i < samples; ++i) {
-        const uint32_t c = column(random);
-        ++hits[uniform(random) < table[c].threshold ? c : table[c].alias];
-    }
-    double statistic = 0;
-    for (size_t i = 0; i < pmf.size(); ++i) {
-        const double expected = double(pmf[i]) * samples;
-        if (expected == 0)
-            statistic += hits[i] ? INFINITY : 0;
-        else
-            statistic += (hits[i] - expected) * (hits[i] - expected) / expected;
-    }
-    return statistic;
-}
-
-/// Weights over eleven orders of magnitude, zeros between.
-std::vector<double> wildWeights(size_t n)
-{
-    std::mt19937 random(7);
-    std::uniform_real_distribution<double> exponent(-6, 5);
-    std::vector<double> weights(n);
-    for (size_t i = 0; i < n; ++i)
-        weights[i] = i % 5 == 3 ? 0 : std::pow(10, exponent(random));
-    return weights;
-}
 
 /// The square with an emissive material, on nodes as given.
 GltfBuilder emissiveSquare(const json& material)
@@ -93,74 +53,6 @@ Scene oneTexelSky(uint32_t width, uint32_t height, uint32_t x, uint32_t y)
 }
 
 }  // namespace
-
-/// H0: the table draws column i with probability pmf[i]; 2^20 samples, 64 cells of which 51 are reachable.
-TEST(AliasTable, DrawsFollowThePmfItReports)
-{
-    const auto weights = wildWeights(64);
-    std::vector<float> pmf;
-    const auto table = buildAliasTable(weights, pmf);
-    EXPECT_LT(chiSquare(table, pmf, 1 << 20, 1), chiSquareLimit(50));
-
-    auto wrong = table;
-    for (auto& column : wrong)
-        column.threshold = std::min(1.0f, column.threshold + 0.01f);
-    EXPECT_GT(chiSquare(wrong, pmf, 1 << 20, 1), chiSquareLimit(50)) << "an error of 0.01 in the thresholds must show";
-}
-
-TEST(AliasTable, ThePmfIsTheOneTheFloatsRealiseAndTheWeightsAsk)
-{
-    const auto weights = wildWeights(1000);
-    const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
-    std::vector<float> pmf;
-    const auto table = buildAliasTable(weights, pmf);
-    std::vector<double> realised(weights.size());
-    for (size_t i = 0; i < table.size(); ++i) {
-        realised[i] += double(table[i].threshold) / 1000;
-        realised[table[i].alias] += (1 - double(table[i].threshold)) / 1000;
-    }
-    for (size_t i = 0; i < weights.size(); ++i) {
-        EXPECT_EQ(pmf[i], float(realised[i]));
-        EXPECT_NEAR(pmf[i], weights[i] / sum, 1e-7);
-        EXPECT_EQ(pmf[i] == 0, weights[i] == 0) << i;
-    }
-}
-
-/// Kernels compare the threshold with a fraction of 24 bits: of a lamp beside a sun, too, the pmf has to be how often
-/// it is drawn.
-TEST(AliasTable, ThePmfOfDimLightsIsHowOftenTheyAreDrawn)
-{
-    constexpr double FRACTIONS = 0x1p24;
-    for (const double dim : {12.6, 1.3e3, 1.3e5}) {
-        const std::vector<double> weights{dim, 3.1e9, 40 * dim};
-        std::vector<float> pmf;
-        const auto table = buildAliasTable(weights, pmf);
-        std::vector<double> drawn(weights.size());
-        for (const auto& column : table) {
-            const double own = std::ceil(double(column.threshold) * FRACTIONS);  // fractions below it
-            drawn[&column - table.data()] += own / FRACTIONS / 3;
-            drawn[column.alias] += (FRACTIONS - own) / FRACTIONS / 3;
-        }
-        for (size_t i = 0; i < weights.size(); ++i)
-            EXPECT_EQ(pmf[i], float(drawn[i])) << i << " of " << dim;
-    }
-}
-
-TEST(AliasTable, EqualWeightsNeedNoAlias)
-{
-    std::vector<float> pmf;
-    for (const auto& column : buildAliasTable(std::vector<double>(7, 0.1), pmf))
-        EXPECT_EQ(column.threshold, 1);
-    for (const float p : pmf)
-        EXPECT_FLOAT_EQ(p, 1.0f / 7);
-}
-
-TEST(AliasTable, UselessWeightsAreErrors)
-{
-    std::vector<float> pmf;
-    for (const auto& weights : {std::vector<double>{}, {0, 0}, {1, -1, 3}, {1, INFINITY}, {NAN, 1}})
-        EXPECT_FALSE(errorOf([&] { buildAliasTable(weights, pmf); }).empty());
-}
 
 TEST(LightTable, TrianglesWeighTheirPower)
 {

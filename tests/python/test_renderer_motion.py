@@ -1,0 +1,89 @@
+"""A renderer whose camera, nodes and animations move."""
+
+import json
+
+import numpy as np
+import pytest
+from renderer_scenes import SIZE, frame_graph, image_after, make_renderer, refusal, restirpg, write_flying_panel
+
+
+def test_the_camera_is_moved_in_parts(renderer):
+    before = image_after(renderer, 1)
+    pose = renderer.camera
+    renderer.move_camera(position=(0.2, 1.0, 3.0))
+    moved = renderer.camera
+    np.testing.assert_allclose(moved["position"], (0.2, 1.0, 3.0), rtol=1e-6)
+    assert (moved["target"], moved["up"], moved["yfov"]) == (pose["target"], pose["up"], pose["yfov"])
+    renderer.cut()
+    assert np.abs(image_after(renderer, 1) - before).mean() > 0.01
+    renderer.move_camera(**pose)
+    renderer.cut()
+    np.testing.assert_allclose(image_after(renderer, 1).mean((0, 1)), before.mean((0, 1)), rtol=0.05)
+    assert "field of view" in refusal(renderer.move_camera, yfov=4.0)
+    assert "span" in refusal(renderer.move_camera, target=renderer.camera["position"])
+
+
+def test_a_node_is_moved_by_a_matrix_whose_last_column_is_the_translation(scene):
+    renderer = make_renderer(scene)
+    before = image_after(renderer, 1)
+    away = np.eye(4)
+    away[:3, 3] = (0, 0, 100)  # behind the camera
+    for name in ("Tower", "Prism"):
+        renderer.move_node(name, away)
+    renderer.cut()
+    after = image_after(renderer, 1)
+    lower = slice(SIZE[1] // 2, None)
+    assert np.abs(after[lower] - before[lower]).mean() > 0.02
+    assert "no node is named 'Towel'" in refusal(renderer.move_node, "Towel", away)
+    assert "matrix (4, 4)" in refusal(renderer.move_node, "Tower", np.eye(3))
+
+
+def test_nothing_has_moved_in_the_first_frame_of_a_run(scene):
+    """Whatever ended the run before."""
+    renderer = make_renderer(scene, outputs=["motion"])
+    aside = np.eye(4)
+
+    def motion_after(ending):
+        renderer.render(1)
+        renderer.move_camera(position=np.add(renderer.camera["position"], (0.1, 0, 0)))
+        aside[0, 3] += 0.1
+        renderer.move_node("Tower", aside)
+        ending()
+        return np.abs(image_after(renderer, 1, "motion")).max()
+
+    assert motion_after(lambda: None) > 1
+    for ending in (renderer.cut, renderer.reload, lambda: renderer.set("paths.bounces", 1)):
+        assert motion_after(ending) < 1e-3
+
+
+def test_the_animation_stands_at_the_frames_time(tmp_path):
+    panel = restirpg.load_scene(write_flying_panel(tmp_path / "panel.gltf"))
+    assert panel.duration == 1
+    here, gone = 1.0, 0.0
+    still, late, moving = (make_renderer(panel, frame_graph(), **options) for options in ({}, {"time": 2}, {"fps": 1}))
+    for shown, expected in [(still, (here, here)), (late, (gone, gone)), (moving, (here, gone))]:
+        for value in expected:
+            np.testing.assert_allclose(image_after(shown, 1, "emission"), value)
+    still.set_time(1)
+    np.testing.assert_allclose(image_after(still, 1, "emission"), gone)
+
+
+def test_frame_after_frame_the_time_stays_exact(tmp_path):
+    file = write_flying_panel(tmp_path / "panel.gltf", times=(0, 1000))
+    description = json.loads(file.read_text())
+    description["animations"][0]["channels"][0]["target"]["node"] = 1  # the camera flies 0.1 m a second
+    file.write_text(json.dumps(description))
+    graph = restirpg.Graph("One kernel")
+    graph.output("image", graph.add("gbuffer", "GBuffer").albedo)
+    renderer = make_renderer(restirpg.load_scene(file), graph, size=(8, 8), fps=10, time=0.5)
+    renderer.render(600)
+
+    def seconds():
+        return renderer.camera["position"][0] * 10
+
+    assert seconds() == pytest.approx(60.5, rel=1e-6)
+    renderer.cut()
+    assert seconds() == pytest.approx(60.5, rel=1e-6)
+    renderer.set_time(2)
+    renderer.render(3)
+    assert seconds() == pytest.approx(2.3, rel=1e-6)

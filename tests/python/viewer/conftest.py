@@ -1,0 +1,47 @@
+"""Sessions of the viewer that tests use."""
+
+import pytest
+from renderer_scenes import GRAPH, make_renderer, restirpg, write_flying_panel
+from viewer_sessions import SIZE
+
+from restirpg.viewer.session import Session
+
+
+@pytest.fixture(scope="module")
+def reference(scene):
+    """Some frames of the path tracer, as a reference."""
+    renderer = make_renderer(scene, seed=77, size=SIZE)
+    renderer.render(8)
+    return renderer.output("image")
+
+
+@pytest.fixture(scope="module")
+def shared(scene, reference):
+    """A session of two graphs that all tests use."""
+    return Session(scene, [GRAPH, GRAPH], SIZE, reference, validation=True)
+
+
+@pytest.fixture(scope="module")
+def flying(tmp_path_factory):
+    """A scene that its panel fills at 0 s and has left at 1 s."""
+    return restirpg.load_scene(write_flying_panel(tmp_path_factory.mktemp("flying") / "panel.gltf"))
+
+
+@pytest.fixture
+def session(shared):
+    """The session, as it was at first."""
+    for pane in range(2):
+        shared.apply({"do": "reset", "pane": pane})
+        shared.apply({"do": "show", "pane": pane, "port": None})
+    for message in (
+        {"do": "reference", "source": "file"},
+        {"do": "home"},
+        {"do": "keep", "on": False},
+        {"do": "play", "on": True},
+        {"do": "view", "name": "image"},
+        {"do": "exposure", "stops": 0},
+        {"do": "seed", "value": 0},
+    ):
+        shared.apply(message)
+    shared.render()
+    return shared
