@@ -59,7 +59,7 @@ class Browser:
 
     def _stop_driver(self):
         self._driver.terminate()
-        self._driver.wait()
+        self._driver.wait(60)
         shutil.rmtree(self._profile, ignore_errors=True)
 
     def _ask(self, path, body=None, method="POST"):

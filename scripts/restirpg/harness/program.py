@@ -126,12 +126,25 @@ def runner(options, display, count=None):
             raise
 
 
+@contextlib.contextmanager
+def _interruptible():
+    """Within, Ctrl-C and SIGTERM raise Interrupted, unless the process was started to ignore them. Afterwards they do
+    what they did before: who called this may go on, and start programs, which would ignore what this process does."""
+    before = {number: signal.getsignal(number) for number in ENDING}
+    try:
+        for number, handler in before.items():
+            if handler != signal.SIG_IGN:
+                signal.signal(number, _interrupt)
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@_interruptible()
 def run(name, body):
     """body(display)'s exit code; 2 and one line for a user's mistake; 130 after Ctrl-C and 143 after SIGTERM."""
     display = Display()
-    for ending in ENDING:
-        if signal.getsignal(ending) != signal.SIG_IGN:
-            signal.signal(ending, _interrupt)
     try:
         return body(display)
     except UserError as error:
