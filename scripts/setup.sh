@@ -48,29 +48,37 @@ mesa_is_old()
     dpkg --compare-versions "$version" lt "$least_mesa"
 }
 
-# The machine's own apt entry of suite $1, as one for $1-backports: mirror, keyring and options carry over.
+# The machine's own apt entry of suite $1, as one for $1-backports: mirror, keyring and options carry over. Other vendors have
+# entries of that suite, too: one whose address ends in /debian comes first, as those of Debian's mirrors do.
 # Prints the file's extension (sources or list) on the first line, then its text; nothing when there is no such entry.
 backports_entry()
 {
-    local suite=$1 entry
-    entry=$(awk 'FNR == 1 {print ""} !/^#/' "$apt_folder"/sources.list.d/*.sources 2>/dev/null | awk -v suite="$suite" '
-        BEGIN {RS = ""}
-        /(^|\n)Types:[^\n]*deb( |\n|$)/ && $0 ~ "(^|\n)Suites:([^\n]* )?" suite "( |\n|$)" && !/(^|\n)Enabled: *no/ {
-            sub(/(^|\n)Types:[^\n]*/, "\nTypes: deb")
-            sub(/\nSuites:[^\n]*/, "\nSuites: " suite "-backports")
-            sub(/\nComponents:[^\n]*/, "\nComponents: main")
-            sub(/^\n/, "")
-            print
-            exit
-        }') || true
-    if [[ -n $entry ]]; then
-        printf 'sources\n%s\n' "$entry"
-        return
-    fi
-    entry=$(cat "$apt_folder"/sources.list "$apt_folder"/sources.list.d/*.list 2>/dev/null | grep -v 'cdrom:' |
-        sed -nE "s/^deb[[:space:]]+(\[[^]]*\][[:space:]]+)?([^[:space:]]+)[[:space:]]+${suite}[[:space:]].*/deb \1\2 $suite-backports main/p" |
-        head -n 1) || true
-    [[ -z $entry ]] || printf 'list\n%s\n' "$entry"
+    local suite=$1 address entry
+    for address in '[^ \n]*/debian/?' '[^ \n]+'; do
+        entry=$(awk 'FNR == 1 {print ""} !/^#/' "$apt_folder"/sources.list.d/*.sources 2>/dev/null |
+            awk -v suite="$suite" -v address="${address//\\/\\\\}" '
+            BEGIN {RS = ""}
+            $0 ~ "(^|\n)URIs:[^\n]* " address "( |\n|$)" && /(^|\n)Components:([^\n]* )?main( |\n|$)/ &&
+            /(^|\n)Types:[^\n]*deb( |\n|$)/ && $0 ~ "(^|\n)Suites:([^\n]* )?" suite "( |\n|$)" && !/(^|\n)Enabled: *no/ {
+                sub(/(^|\n)Types:[^\n]*/, "\nTypes: deb")
+                sub(/\nSuites:[^\n]*/, "\nSuites: " suite "-backports")
+                sub(/\nComponents:[^\n]*/, "\nComponents: main")
+                sub(/^\n/, "")
+                print
+                exit
+            }') || true
+        if [[ -n $entry ]]; then
+            printf 'sources\n%s\n' "$entry"
+            return
+        fi
+        entry=$(cat "$apt_folder"/sources.list "$apt_folder"/sources.list.d/*.list 2>/dev/null | grep -v 'cdrom:' |
+            sed -nE "s#^deb[[:space:]]+(\[[^]]*\][[:space:]]+)?(${address//\\n/})[[:space:]]+${suite}[[:space:]]+([^\#]*[[:space:]])?main([[:space:]].*)?\$#deb \1\2 $suite-backports main#p" |
+            head -n 1) || true
+        if [[ -n $entry ]]; then
+            printf 'list\n%s\n' "$entry"
+            return
+        fi
+    done
 }
 
 # Run as root, quietly: what it said is shown only when it failed.
@@ -95,6 +103,11 @@ apt_install()
     as_root apt-get -q -y -o DPkg::Lock::Timeout=300 install --no-install-recommends "$@"
 }
 
+update_packages()
+{
+    as_root apt-get -q -o DPkg::Lock::Timeout=300 update
+}
+
 add_backports()
 {
     local suite=$1 entry file
@@ -102,6 +115,7 @@ add_backports()
     [[ -n $entry ]] || stop "no apt entry of suite $suite to take a mirror from; add the suite $suite-backports and start again"
     file=$apt_folder/sources.list.d/restirpg-backports.${entry%%$'\n'*}
     as_root sh -c "printf '%s\n' \"\$1\" > \"\$2\"" sh "${entry#*$'\n'}" "$file"
+    (update_packages) || { as_root rm -f "$file"; exit 2; }  # apt would stumble over it from now on
 }
 
 install_debian()
@@ -115,8 +129,11 @@ install_debian()
     [[ -z $newer || $suite != bookworm ]] || backports=(-t bookworm-backports)
     [[ -n $missing ]] || return 0
     echo "setup: installing $(tr '\n' ' ' <<<"$missing")" >&2
-    [[ -z ${backports[*]} ]] || add_backports "$suite"
-    as_root apt-get -q -o DPkg::Lock::Timeout=300 update
+    if [[ -n ${backports[*]} ]]; then
+        add_backports "$suite"
+    else
+        update_packages
+    fi
     # shellcheck disable=SC2086
     unknown=$(comm -13 <({ apt-cache --no-all-versions show $missing 2>/dev/null || true; } | sed -n 's/^Package: //p' | sort -u) <(sort <<<"$missing"))
     lacking=$(grep -xE "$may_lack" <<<"$unknown" || true)

@@ -105,6 +105,12 @@ def test_the_verdict_is_short_where_nothing_is_told_apart(tmp_path):
     assert ") a is not told apart from plain, in single frames or at equal time." in " ".join(run.stdout.split())
 
 
+def test_twice_the_error_and_more_has_no_exponent(tmp_path):
+    run = compare(tmp_path, "plain.json@noise=0.01", "plain.json@label=a", size="16x16", frames=2, seeds=4)
+    more = int(re.search(r"a has (\d+)% more error than plain", " ".join(run.stdout.split()))[1])
+    assert more > 300
+
+
 def test_in_brief_there_is_a_verdict_and_one_table_of_80_columns(tmp_path):
     long = "plain.json@noise=0.5,label=a method whose name is rather long"
     run = compare(tmp_path, "plain.json", long, brief=[], frames=4)
@@ -130,6 +136,7 @@ def test_a_first_frame_that_takes_longer_than_the_common_time_has_no_errors_then
     assert "nan" not in run.stdout
     [row] = re.findall("^ *slow .*", run.stdout[run.stdout.index("Equal time") :], re.MULTILINE)[:1]
     assert row.split()[-1] == "—"
+    assert "at equal time, slow is not tested against plain." in " ".join(run.stdout.split())
 
 
 def test_work_that_was_not_foreseen_is_counted(monkeypatch):
@@ -236,6 +243,8 @@ def test_one_seed_is_compared_but_not_tested(tmp_path):
     run = compare(tmp_path, program=SCRIPT, seeds=1)
     assert run.returncode == 0, run.stderr
     assert "not tested" in run.stdout and "lower (" not in run.stdout
+    text = " ".join(run.stdout.split())
+    assert "quiet is not tested against plain, in single frames or at equal time." in text
 
 
 def test_one_seed_has_no_standard_error(tmp_path):

@@ -85,7 +85,7 @@ def test_it_opens_with_its_verdict_and_the_first_and_the_last_method_side_by_sid
     )
     assert top == sorted(top)
     assert re.match(
-        r"In single frames, .* has [\d.e+]+% more error than plain; ",
+        r"In single frames, .* has [\d.]+% more error than plain; ",
         browser.run("return document.querySelector('.verdict').textContent"),
     )
     shown = browser.run(

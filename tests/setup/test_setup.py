@@ -78,6 +78,34 @@ def test_deb822_entry_keeps_an_embedded_key(apt):
     assert backports(apt).endswith(f"Suites: bookworm-backports\nComponents: main\n{key}")
 
 
+@pytest.mark.parametrize("component", ["stable", "main"])
+def test_other_vendors_entries_of_the_suite_are_passed_over(apt, component):
+    (apt / "sources.list.d/azure.sources").write_text(
+        f"Types: deb\nURIs: https://vendor.example/repos/tool/\nSuites: bookworm\nComponents: {component}\n"
+    )
+    (apt / "sources.list.d/docker.sources").write_text(
+        "Types: deb\nURIs: https://vendor.example/linux/debian\nSuites: bookworm\nComponents: stable\n"
+    )
+    (apt / "sources.list").write_text(
+        f"deb https://vendor.example/debian/12/prod bookworm {component}\n"
+        "deb https://vendor.example/linux/debian bookworm stable\n"
+        "deb http://mirror.example/debian/ bookworm contrib main non-free\n"
+    )
+    assert backports(apt) == "list\ndeb http://mirror.example/debian/ bookworm-backports main\n"
+
+
+def test_a_mirror_at_any_address_will_do(apt):
+    (apt / "sources.list").write_text("deb http://mirror.example/apt bookworm main\n")
+    assert backports(apt) == "list\ndeb http://mirror.example/apt bookworm-backports main\n"
+
+
+def test_an_entry_that_apt_cannot_read_does_not_stay(apt):
+    (apt / "sources.list").write_text("deb http://mirror.example/debian bookworm main\n")
+    failing = 'as_root() { if [[ $1 == apt-get ]]; then stop "failed: $*"; else "$@"; fi; }; add_backports bookworm'
+    result = shell(failing, expect=2, RESTIRPG_APT_FOLDER=apt)
+    assert "failed: apt-get" in result.stderr and not list((apt / "sources.list.d").iterdir())
+
+
 def test_entries_that_are_off_or_of_another_suite_are_passed_over(apt):
     (apt / "sources.list.d/a.sources").write_text(
         "Enabled: no\nTypes: deb\nURIs: http://off.example/debian\nSuites: bookworm\nComponents: main\n"

@@ -234,23 +234,34 @@ def error_tables(scene):
     return [_equal_frame_time_table(scene), *found] if scene.equal_cost else found
 
 
+def percent(share):
+    """`31%`, `310%`: a share to two digits, without an exponent."""
+    return f"{float(f'{100 * share:.2g}'):g}%"
+
+
 def _compared_in_words(baseline, found):
-    """Who errs how much less or more than the first method, and who is not told apart from it; None where nobody is.
+    """(words, whether there is a difference): who errs how much less or more than the first method, who is not told
+    apart from it, and who was not tested.
 
     found: [(label, error as a share of the first's, corrected p)].
     """
-    known, unknown = [], []
+    parts = []
     for label, share, p in found:
         if p < st.LEVEL:
-            change = f"{100 * abs(1 - share):.2g}% {'less' if share < 1 else 'more'}"
-            known.append(f"{label} has {change} error" if not known else f"{label} {change}")
-        else:
-            unknown.append(label)
-    if not known:
-        return None
-    known[0] += f" than {baseline}"
-    rest = f"; {' and '.join(unknown)} {'is' if len(unknown) == 1 else 'are'} not told apart from it" if unknown else ""
-    return ", ".join(known) + rest
+            change = f"{percent(abs(1 - share))} {'less' if share < 1 else 'more'}"
+            parts.append(f"{label} has {change} error than {baseline}" if not parts else f"{label} {change}")
+    parts = [", ".join(parts)] if parts else []
+    different = bool(parts)
+    for verb, labels in (
+        ("told apart from", [label for label, _, p in found if p >= st.LEVEL]),
+        ("tested against", [label for label, _, p in found if math.isnan(p)]),
+    ):
+        if len(labels) == len(found) > 1:
+            parts.append(f"no method is {verb} {baseline}")
+        elif labels:
+            are = "is" if len(labels) == 1 else "are"
+            parts.append(f"{' and '.join(labels)} {are} not {verb} {'it' if parts else baseline}")
+    return "; ".join(parts), different
 
 
 def _tested(scene, mode):
@@ -272,9 +283,7 @@ def equal_cost_sentence(scene):
     if not first.is_equal:
         return f"At equal frame time nobody is tested: a frame of {first.label} takes ×{first.time[0]:.2f} of the time."
     tested = [own for own in others if own.is_equal]
-    words = _compared_in_words(first.label, [(own.label, own.ratio[0], own.p) for own in tested])
-    if tested and not words:
-        words = f"{tested[0].label if len(tested) == 1 else 'no method'} is not told apart from {first.label}"
+    words, _ = _compared_in_words(first.label, [(own.label, own.ratio[0], own.p) for own in tested])
     off = [f"{own.label} is not at equal time (×{own.time[0]:.2f})" for own in others if not own.is_equal]
     return f"At equal frame time, {'; '.join([*filter(None, [words]), *off])}."
 
@@ -296,12 +305,12 @@ def _verdict_sentence(scene):
     )
     if scene.unit == "tile":
         ways = {"single": f"in single frames, {scene.at[0]} to {scene.at[-1]}"}
-    found = {words: _compared_in_words(baseline.label, _tested(scene, mode)) for mode, words in ways.items()}
-    who = f"{others[0].label} is not" if len(others) == 1 else "no method is"
-    if not any(found.values()):
-        text = f"{who} told apart from {baseline.label}, {' or '.join(found)}"
+    found = {way: _compared_in_words(baseline.label, _tested(scene, mode)) for mode, way in ways.items()}
+    said = {text for text, _ in found.values()}
+    if len(said) == 1 and not any(different for _, different in found.values()):
+        text = f"{said.pop()}, {' or '.join(found)}"
         return (text if len(others) == 1 else text[0].upper() + text[1:]) + "."  # a method's label keeps its case
-    text = "; ".join(f"{words}, {said or f'{who} told apart from {baseline.label}'}" for words, said in found.items())
+    text = "; ".join(f"{way}, {words}" for way, (words, _) in found.items())
     return text[0].upper() + text[1:] + "."
 
 
@@ -350,7 +359,7 @@ def quality_table(scene):
             method.label,
             with_error(method.bias.difference, method.bias.se, 100, "%"),
             bias_verdict(method),
-            f"{100 * method.bias.smallest_detectable(scene.bias_tests):.2g}%" if method.bias.dof else "—",
+            percent(method.bias.smallest_detectable(scene.bias_tests)) if method.bias.dof else "—",
             block_cell(method),
             with_error(*method.spatial_frame),
             with_error(*method.spatial_image),
@@ -369,9 +378,9 @@ def reference_line(scene):
     return (
         f"reference{f' of frame {scene.at[-1]}' if scene.at else ''}: {meta['source']}, "
         f"{meta['batches']} batches of {meta['frames']} frames; "
-        f"standard error of its mean {100 * scene.noise['relative_se']:.2g}%; "
+        f"standard error of its mean {percent(scene.noise['relative_se'])}; "
         f"its noise is {scene.noise['relmse']:.2g} of relMSE (subtracted) and a floor of "
-        f"{100 * scene.noise['mape']:.2g}% under MAPE (not subtracted)"
+        f"{percent(scene.noise['mape'])} under MAPE (not subtracted)"
     )
 
 
