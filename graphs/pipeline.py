@@ -18,6 +18,7 @@ def pipeline(
     splat={},
     fit={},
     reuse={},
+    direct={},
     trees=1,
     guided_bounces=64,
     show="resampled",
@@ -32,7 +33,8 @@ def pipeline(
     guide: another guide in its place: its port, or a function that adds its pass and returns the port. The function is
     given the graph and the ports that reuse over frames reads, as keyword arguments of Graph.add. learn: a function of
     the graph and the pass `paths`, if the guide learns behind the paths.
-    reuse: knobs of the resampling of paths. trees: path trees per pixel, of which one path is resampled.
+    reuse: knobs of the resampling of paths. direct: knobs of the resampling of light points. trees: path trees per
+    pixel, of which one path is resampled.
     guided_bounces: bounces from the primary hit on that the guide draws, and learns from. show: "resampled", or
     "candidates": the indirect light of the initial paths alone, guided if there is a guide.
     """
@@ -45,12 +47,13 @@ def pipeline(
         "motion": gbuffer.motion,
         "previous_surface": prev("gbuffer.surface"),
     }
-    direct = g.add(
+    direct_light = g.add(
         "direct",
         "ReSTIRDI",
         history=prev("direct.reservoirs"),
         temporal=temporal,
         rounds=rounds,
+        **direct,
         **before,
     )
     if train:
@@ -94,7 +97,7 @@ def pipeline(
     image = g.add(
         "accumulate",
         "Accumulate",
-        direct=direct.radiance,
+        direct=direct_light.radiance,
         indirect=resampled.radiance if show == "resampled" else paths.radiance,
         emission=gbuffer.emission,
         history=prev("accumulate.sums"),
