@@ -4,6 +4,7 @@ controls say."""
 import base64
 import re
 import shutil
+import subprocess
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,8 +12,9 @@ import pytest
 from harness_runs import SCRIPT, compare
 from webdriver import Browser
 
-from restirpg.harness import plots
-from restirpg.harness.report import side_by_side
+import restirpg
+from restirpg.harness import plots, render
+from restirpg.harness.report import commit, side_by_side
 
 CENTRE = (
     "const c = document.querySelector('.pane canvas');"
@@ -220,3 +222,22 @@ def test_tables_charts_graphs_and_provenance_are_there(browser, report, tmp_path
 def test_lines_side_by_side_mark_changes_additions_and_omissions():
     rows = side_by_side(["a", "b", "c"], ["a", "B", "c", "d"])
     assert rows == [("a", "a", False), ("b", "B", True), ("c", "c", False), ("", "d", True)]
+
+
+def test_the_commit_is_the_clones_and_an_installed_packages_is_that_of_its_build(tmp_path, monkeypatch):
+    def git(*arguments):
+        command = ["git", "-C", tmp_path, "-c", "user.name=a", "-c", "user.email=a@example.org", *arguments]
+        return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+
+    git("init", "-q")
+    (tmp_path / "file").touch()
+    git("add", "file")
+    git("commit", "-qm", "first")
+    monkeypatch.setattr(render, "ROOT", tmp_path)
+    assert commit() == git("rev-parse", "--short=12", "HEAD")
+    (tmp_path / "file").write_text("changed")
+    assert commit() == git("rev-parse", "--short=12", "HEAD") + " + changes"
+    installed = tmp_path / "venv/lib/python3"
+    installed.mkdir(parents=True)
+    monkeypatch.setattr(render, "ROOT", installed)
+    assert commit() == restirpg.COMMIT

@@ -142,7 +142,8 @@ def exr_names(scene):
 
 
 def commit():
-    """The repository's commit, with "+ changes" when the working tree differs from it."""
+    """The clone's commit, with "+ changes" when the working tree differs from it; that of the build for an installed
+    package, which may lie in another project's repository."""
 
     def git(*arguments):
         try:
@@ -151,11 +152,10 @@ def commit():
             return ""
         return run.stdout.strip() if run.returncode == 0 else ""
 
-    name = git("rev-parse", "--short=12", "HEAD")
-    return (
-        name + (" + changes" if name and git("status", "--porcelain", "--untracked-files=no") else "")
-        or restirpg.COMMIT  # of the installed package, which lies in no repository
-    )
+    top = git("rev-parse", "--show-toplevel")
+    name = git("rev-parse", "--short=12", "HEAD") if top and render.ROOT.samefile(top) else ""
+    changes = " + changes" if name and git("status", "--porcelain", "--untracked-files=no") else ""
+    return name + changes or restirpg.COMMIT
 
 
 def provenance(program, code, devices):
