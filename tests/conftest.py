@@ -7,15 +7,19 @@ import pytest
 # Files that take longest, the longest first: started last, one would keep a processor busy while the others wait.
 LONGEST = (
     "test_fuzz.py",
-    "test_path_shift.py",
     "test_restir_di.py",
-    "test_guiding_grid.py",
+    "test_path_shift.py",
     "test_reproduce.py",
+    "test_guiding_grid.py",
+    "test_unbiased_recorder.py",
     "test_compare.py",
     "test_tutorial.py",
     "test_kept_results.py",
-    "test_restir_pt.py",
+    "test_shared_inputs.py",
+    "test_flat_energy.py",
     "test_guided_restir.py",
+    "test_restir_pt.py",
+    "test_format.py",
 )
 
 
