@@ -152,14 +152,14 @@ class GltfBsdf(mi.BSDF):
         p.alpha = dr.select(p.delta, 0, dr.square(roughness))
         p.ggx = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, dr.maximum(p.alpha, 1e-4), True)
         p.base = base
-        p.solid = (transmission > 0) & self.solid & (self.ior > 0)
+        p.solid = mi.Bool(self.solid and self.ior > 0)
         inside = p.solid & ~front
         p.eta = dr.select(inside, 1 / max(self.ior, 1e-6), self.ior)
         p.coat0 = specular * dr.minimum(self.f0 * self.value("specular_color", si, active, color), 1)
         p.coat90 = specular if self.ior != 1 else mi.Float(0)
         p.pane = dr.select(p.solid, 0, transmission)
         position = self.average / (1 + 2.6 * p.alpha + 12.4 * dr.square(p.alpha))
-        average = dr.lerp(p.coat0, color(p.coat90), position)
+        average = dr.lerp(dr.max(p.coat0), p.coat90, position)
         dielectric = base * (1 - p.metallic)
         p.diffuse = dr.select(inside, color(0), dielectric * (1 - transmission))
         if not self.literal:
@@ -182,6 +182,10 @@ class GltfBsdf(mi.BSDF):
             position = (mi.fresnel(cosine, p.eta)[0] - self.f0) / max(1 - self.f0, 1e-6)
         return dr.clip(dr.lerp(p.coat0, mi.Color3f(p.coat90), position), 0, 1)
 
+    def coat_share(self, p, cosine):
+        """What the interface takes of the light towards what lies below it (KHR_materials_specular)."""
+        return dr.max(self.coat(p, cosine))
+
     def reflectance(self, p, cosine):
         """F of the reflecting lobe."""
         coat = self.coat(p, cosine)
@@ -191,7 +195,7 @@ class GltfBsdf(mi.BSDF):
 
     def transmittance(self, p, cosine):
         """What the transmitting lobe has instead of F."""
-        coat = self.coat(p, cosine)
+        coat = self.coat_share(p, cosine)
         sheet = p.transmittance * (1 - 2 * coat / (1 + coat))
         if self.ior == 0 or not self.solid:
             return sheet
@@ -204,7 +208,7 @@ class GltfBsdf(mi.BSDF):
         """How often each of the lobes (diffuse, reflect, transmit) is drawn."""
         facet = facet_cosine(p.v.z, p.alpha)
         weights = [
-            mi.luminance(p.diffuse * (1 - self.coat(p, facet))),
+            mi.luminance(p.diffuse * (1 - self.coat_share(p, facet))),
             mi.luminance(self.reflectance(p, facet)),
             mi.luminance(self.transmittance(p, facet)),
         ]
@@ -229,8 +233,9 @@ class GltfBsdf(mi.BSDF):
         o = dr.dot(v, h)
         shape = p.ggx.eval(h) * masking / (4 * v.z)  # times |cos| of the light
         half_pdf = p.ggx.pdf(v, h) / (4 * o)
-        passed = (1 - self.coat(p, facet_cosine(v.z, p.alpha))) * (1 - self.coat(p, facet_cosine(mirrored.z, p.alpha)))
-        value = p.diffuse * dr.inv_pi * mirrored.z * (1 - self.coat(p, o) if self.literal else passed)
+        passed = 1 - self.coat_share(p, facet_cosine(v.z, p.alpha))
+        passed *= 1 - self.coat_share(p, facet_cosine(mirrored.z, p.alpha))
+        value = p.diffuse * dr.inv_pi * mirrored.z * (1 - self.coat_share(p, o) if self.literal else passed)
         value += dr.select(p.delta, 0, self.reflectance(p, o) * shape)
         pdf = diffuse * mirrored.z * dr.inv_pi + dr.select(p.delta, 0, reflect * half_pdf)
         sheet = self.transmittance(p, o) * shape

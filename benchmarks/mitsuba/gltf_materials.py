@@ -92,7 +92,8 @@ class Materials:
                 transmission.get("transmissionFactor", 0), transmission.get("transmissionTexture"), 0
             ),
             "ior": float(extensions.get("KHR_materials_ior", {}).get("ior", 1.5)),
-            "solid": extensions.get("KHR_materials_volume", {}).get("thicknessFactor", 0) > 0,
+            "solid": extensions.get("KHR_materials_volume", {}).get("thicknessFactor", 0) > 0
+            and transmission.get("transmissionFactor", 0) > 0,
         }
         if material.get("alphaMode", "OPAQUE") != "OPAQUE":  # BLEND is a mask with a cutoff of 0.5 in the renderer
             made["alpha_cutoff"] = float(material.get("alphaCutoff", 0.5)) if material["alphaMode"] == "MASK" else 0.5

@@ -129,8 +129,10 @@ void SceneGpu::uploadMaterials()
 {
     std::vector<Material> materials = scene_.materials;
     for (Material& material : materials) {
-        if (material.transmission == 0)
-            material.absorption = glm::vec3(0);  // nothing is inside of what lets no light in; an edit may change that
+        if (material.transmission == 0) {  // nothing is inside of what lets no light in; an edit may change that
+            material.flags &= ~MATERIAL_SOLID;
+            material.absorption = glm::vec3(0);
+        }
         material.flags |= mapsOf(material).empty() ? 0 : MATERIAL_TEXTURED;
         material.flags |= material.emissiveMap.index == INVALID_INDEX ? 0 : MATERIAL_EMISSION_TEXTURED;
         if (!energyTableOf_.empty())

@@ -67,6 +67,13 @@ dvec3 textbookCoat(const BsdfCase& m, double cosine, double eta)
     return double(m.specular) * glm::mix(coat0, dvec3(1), s);
 }
 
+/// What it takes of the light towards what lies below it: the largest channel of KHR_materials_specular's Fresnel term.
+double textbookCoatShare(const BsdfCase& m, double cosine, double eta)
+{
+    const dvec3 coat = textbookCoat(m, cosine, eta);
+    return std::max({coat.r, coat.g, coat.b});
+}
+
 dvec3 textbookReflection(const BsdfCase& m, const dvec3& wo, const dvec3& wi, double eta)
 {
     const double alpha = double(m.roughness) * m.roughness;
@@ -86,7 +93,7 @@ dvec3 textbookTransmission(const BsdfCase& m, const dvec3& wo, const dvec3& wi, 
     const double g = 1 / (1 + smithLambda(wo, alpha) + smithLambda(wi, alpha));
     if (!m.solid) {
         const dvec3 h = glm::normalize(wo + dvec3(wi.x, wi.y, -wi.z));
-        const dvec3 coat = textbookCoat(m, glm::dot(wo, h), eta);
+        const double coat = textbookCoatShare(m, glm::dot(wo, h), eta);
         return base * (1.0 - 2.0 * coat / (1.0 + coat)) * (ggxDistribution(h, alpha) * g / (4 * wo.z * -wi.z));
     }
     dvec3 h = glm::normalize(wo + eta * wi);
@@ -94,8 +101,8 @@ dvec3 textbookTransmission(const BsdfCase& m, const dvec3& wo, const dvec3& wi, 
     const double o = glm::dot(wo, h), i = glm::dot(wi, h);
     if (o <= 0 || i >= 0 || dielectricFresnel(o, eta) >= 1)
         return dvec3(0);
-    return base * (1.0 - textbookCoat(m, o, eta)) * std::abs(o * i / (wo.z * wi.z)) * ggxDistribution(h, alpha) * g /
-           std::pow(o + eta * i, 2);
+    return base * (1.0 - textbookCoatShare(m, o, eta)) * std::abs(o * i / (wo.z * wi.z)) * ggxDistribution(h, alpha) *
+           g / std::pow(o + eta * i, 2);
 }
 
 /// The shader's fit; EnergyOfWhitePaintUnderARoughCoat tests it against the lobe itself.
@@ -115,11 +122,12 @@ dvec3 textbookDiffuse(const BsdfCase& m, const dvec3& wo, const dvec3& wi, doubl
     const double alpha = m.roughness < DELTA_ROUGHNESS ? 0 : double(m.roughness) * m.roughness;
     const double position = m.coatAverage / (1 + 2.6 * alpha + 12.4 * alpha * alpha);
     const double f0 = dielectricFresnel(1, m.ior);
-    const dvec3 average =
-        double(m.specular) * glm::mix(glm::min(f0 * dvec3(m.specularColor), dvec3(1)), dvec3(1), position);
+    const double color = std::max({m.specularColor.r, m.specularColor.g, m.specularColor.b});
+    const double coat0 = std::min(f0 * color, 1.0);
+    const double average = double(m.specular) * glm::mix(coat0, 1.0, position);
     return (1.0 - m.metallic) * (1.0 - m.transmission) * dvec3(m.baseColor) / PI *
-           (1.0 - textbookCoat(m, coatCosine(wo.z, alpha), eta)) *
-           (1.0 - textbookCoat(m, coatCosine(wi.z, alpha), eta)) / (1.0 - average);
+           (1.0 - textbookCoatShare(m, coatCosine(wo.z, alpha), eta)) *
+           (1.0 - textbookCoatShare(m, coatCosine(wi.z, alpha), eta)) / (1.0 - average);
 }
 
 dvec3 textbookBsdf(const BsdfCase& m, const dvec3& wo, const dvec3& wi, bool rough)

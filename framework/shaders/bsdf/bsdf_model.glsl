@@ -4,7 +4,7 @@
 //
 //   diffuse   (1 - m)(1 - t) base / pi * (1 - Fc(wo)) (1 - Fc(wi)) / (1 - Fc_avg),  Fc the coat's share (coat_cosine)
 //   reflect   F D G / (4 cos_o cos_i),  F = mix(dielectric, Schlick(base), m)
-//   transmit  (1 - m) t base (1 - F) times Walter et al. 2007's GGX BTDF (solid), or a mirrored reflection (thin)
+//   transmit  (1 - m) t base (1 - max F) times Walter et al. 2007's GGX BTDF (solid), or a mirrored reflection (thin)
 //
 // Two deliberate deviations from glTF's sample BRDF. Diffuse: under glTF's (1 - F(wo.h)) a white surface reaches an
 // albedo of 1.9 at grazing; the form above (Shirley et al. 1997, Kelemen & Szirmay-Kalos 2001) is reciprocal, conserves
@@ -51,7 +51,7 @@ struct BsdfParameters {
     float transmission;
     float ior;  ///< 0: glTF's "infinite", F0 = 1
     float coatAverage;  ///< Material::coatAverage
-    bool solid;  ///< MATERIAL_SOLID: refracts; else a thin sheet
+    bool solid;  ///< MATERIAL_SOLID: refracts, where `transmission` is not 0; else a thin sheet
     bool entering;  ///< wo is on the outside; matters for solids only
 #if RESTIRPG_ENERGY_COMPENSATION
     Address energyTable;  ///< of this ior
@@ -115,7 +115,25 @@ vec3 coat_fresnel(Bsdf b, float cosine)
     return clamp(mix(b.coat0, vec3(b.coat90), coat_position(b, cosine)), 0.0, 1.0);
 }
 
+/// The largest channel. What lies below the coat gets what the coat leaves of it, in every channel: by each channel's
+/// own rest it would be tinted by the complement of the coat's colour [KHR_materials_specular].
+float largest(vec3 color)
+{
+    return max(color.r, max(color.g, color.b));
+}
+
+/// What the coat takes of the light towards what lies below it.
+float coat_share(Bsdf b, float cosine)
+{
+    return largest(coat_fresnel(b, cosine));
+}
+
 /// Both faces of a thin pane, all orders of reflection between them.
+float pane_fresnel(float f)
+{
+    return 2.0 * f / (1.0 + f);
+}
+
 vec3 pane_fresnel(vec3 f)
 {
     return 2.0 * f / (1.0 + f);
@@ -131,7 +149,7 @@ vec3 reflect_fresnel(Bsdf b, float cosine)
 /// What the TRANSMIT lobe multiplies its shape with. 0 under total internal reflection.
 vec3 transmit_fresnel(Bsdf b, float cosine)
 {
-    vec3 coat = coat_fresnel(b, cosine);
+    float coat = coat_share(b, cosine);
     vec3 refracted = fresnel_dielectric(cosine, b.eta) < 1.0 ? b.transmittance * (1.0 - coat) : vec3(0.0);
     return b.solid ? refracted : b.transmittance * (1.0 - pane_fresnel(coat));
 }
@@ -155,19 +173,19 @@ float coat_cosine(float cosine, float alpha)
 #endif
 
 /// Light that passes the coat towards the diffuse base, for one direction.
-vec3 coat_passage(Bsdf b, float cosine)
+float coat_passage(Bsdf b, float cosine)
 {
 #if RESTIRPG_ENERGY_COMPENSATION
     if (b.alpha > 0.0)
         return 1.0 - coat_energy(b, energy_returned(b.multiple.table, b.multiple.near, cosine));
 #endif
-    return 1.0 - coat_fresnel(b, coat_cosine(cosine, b.alpha));
+    return 1.0 - coat_share(b, coat_cosine(cosine, b.alpha));
 }
 
 // ---- Construction and classes of lobes ----
 
 /// Cosine-weighted mean of coat_position over the hemisphere outside. The factor of alpha bounds the fall of the mean
-/// under roughness from below (for ior >= 1.2), so that the diffuse lobe never gains energy.
+/// under roughness from below (for ior 1.2 to 3), so that the diffuse lobe never gains energy.
 float coat_average(BsdfParameters p, float alpha)
 {
     return p.coatAverage / (1.0 + alpha * (2.6 + 12.4 * alpha));
@@ -177,7 +195,7 @@ Bsdf make_bsdf(BsdfParameters p)
 {
     Bsdf b;
     float ior = abs(p.ior - 1.0) < INDEX_MATCHED ? 1.0 : p.ior;
-    b.solid = p.solid && p.transmission > 0.0 && ior > 0.0;
+    b.solid = p.solid && ior > 0.0;
     bool inside = b.solid && !p.entering;
     b.eta = inside ? 1.0 / ior : ior;
     b.f0 = fresnel_f0(ior);
@@ -189,7 +207,7 @@ Bsdf make_bsdf(BsdfParameters p)
     b.roughness = p.roughness;
     b.alpha = p.roughness < DELTA_ROUGHNESS ? 0.0 : p.roughness * p.roughness;
 
-    vec3 average = mix(b.coat0, vec3(b.coat90), coat_average(p, b.alpha));
+    float average = mix(largest(b.coat0), b.coat90, coat_average(p, b.alpha));
 #if RESTIRPG_ENERGY_COMPENSATION
     b.multiple = multiple_scattering(b, p, inside);
     if (b.alpha > 0.0)
@@ -254,7 +272,7 @@ vec3 bsdf_lobe_probabilities(Bsdf b, vec3 wo)
 {
     vec3 rough = vec3(has_lobes(bsdf_rough_lobes(b, LOBE_ALL)));
     float facet = coat_cosine(wo.z, b.alpha);
-    vec3 weight = vec3(luminance(b.diffuse * (1.0 - coat_fresnel(b, facet))), luminance(reflect_fresnel(b, facet)),
+    vec3 weight = vec3(luminance(b.diffuse * (1.0 - coat_share(b, facet))), luminance(reflect_fresnel(b, facet)),
                        luminance(transmit_fresnel(b, facet)));
 #if RESTIRPG_ENERGY_COMPENSATION
     vec2 multiple = multiple_energy(b, wo);

@@ -11,18 +11,20 @@
 
 const float SMALLEST_LOSS = 1e-6;
 
-/// What the coat reflects by single scattering, from an entry of the table.
-vec3 coat_energy(Bsdf b, vec4 energy)
+/// What the coat takes by single scattering (coat_share), from an entry of the table.
+float coat_energy(Bsdf b, vec4 energy)
 {
-    return b.coat0 * energy.x + (b.coat90 - b.coat0) * energy.y;
+    float coat0 = largest(b.coat0);
+    return coat0 * energy.x + (b.coat90 - coat0) * energy.y;
 }
 
 /// What a transmitting dielectric loses. A thin sheet mirrors what it transmits, so it loses what a metal loses.
-vec3 dielectric_loss(Bsdf b, vec4 energy)
+float dielectric_loss(Bsdf b, vec4 energy)
 {
     if (!b.solid)
-        return vec3(1.0 - energy.x);
-    vec3 refracted = (1.0 - b.coat0) * energy.z - (b.coat90 - b.coat0) * energy.w;
+        return 1.0 - energy.x;
+    float coat0 = largest(b.coat0);
+    float refracted = (1.0 - coat0) * energy.z - (b.coat90 - coat0) * energy.w;
     return max(1.0 - coat_energy(b, energy) - refracted, 0.0);
 }
 
@@ -38,13 +40,13 @@ vec3 metal_factor(Bsdf b, float mean)
 /// means T of a smooth interface's transmittance satisfy T_near = eta^2 T_far, so X = T min(1, mean(L_far) / mean(L_near)) does.
 void split_solid_loss(Bsdf b, float smooth_average, bool inside, inout MultipleScattering multiple)
 {
-    vec3 near = max(dielectric_loss(b, energy_mean(multiple.table, multiple.near)), SMALLEST_LOSS);
-    vec3 far = max(dielectric_loss(b, energy_mean(multiple.table, multiple.far)), SMALLEST_LOSS);
-    vec3 transmitted = 1.0 - mix(b.coat0, vec3(b.coat90), smooth_average);
+    float near = max(dielectric_loss(b, energy_mean(multiple.table, multiple.near)), SMALLEST_LOSS);
+    float far = max(dielectric_loss(b, energy_mean(multiple.table, multiple.far)), SMALLEST_LOSS);
+    float transmitted = 1.0 - mix(largest(b.coat0), b.coat90, smooth_average);
     transmitted *= inside ? b.eta * b.eta : 1.0;  // T outside is given
-    vec3 crossing = transmitted * min(far / near, 1.0);
-    multiple.reflected = (1.0 - crossing) / near;
-    multiple.across = crossing / (far * b.eta * b.eta);
+    float crossing = transmitted * min(far / near, 1.0);
+    multiple.reflected = vec3((1.0 - crossing) / near);
+    multiple.across = vec3(crossing / (far * b.eta * b.eta));
 }
 
 MultipleScattering multiple_scattering(Bsdf b, BsdfParameters p, bool inside)
@@ -62,10 +64,10 @@ MultipleScattering multiple_scattering(Bsdf b, BsdfParameters p, bool inside)
     if (b.solid) {
         split_solid_loss(b, p.coatAverage, inside, multiple);
     } else {
-        vec3 reflected = pane_fresnel(mix(b.coat0, vec3(b.coat90), p.coatAverage));
+        float reflected = pane_fresnel(mix(largest(b.coat0), b.coat90, p.coatAverage));
         float lost = max(1.0 - mean, SMALLEST_LOSS);
-        multiple.reflected = reflected / lost;
-        multiple.across = (1.0 - reflected) / lost;
+        multiple.reflected = vec3(reflected / lost);
+        multiple.across = vec3((1.0 - reflected) / lost);
     }
     multiple.reflected *= share;
     multiple.across *= share * p.baseColor;
@@ -93,7 +95,7 @@ vec2 multiple_energy(Bsdf b, vec3 wo)
         return vec2(0.0);
     vec4 o = energy_returned(b.multiple.table, b.multiple.near, wo.z);
     vec4 near = energy_mean(b.multiple.table, b.multiple.near);
-    vec3 lost = dielectric_loss(b, o);
+    float lost = dielectric_loss(b, o);
     vec3 above = b.multiple.metal * (1.0 - o.x) * (1.0 - near.x) + b.multiple.reflected * lost * dielectric_loss(b, near);
     vec3 across = b.multiple.across * lost * dielectric_loss(b, energy_mean(b.multiple.table, b.multiple.far));
     return vec2(luminance(above), luminance(across));
@@ -103,7 +105,7 @@ vec2 multiple_energy(Bsdf b, vec3 wo)
 float across_probability(Bsdf b, vec3 wo)
 {
     vec2 multiple = multiple_energy(b, wo);
-    float above = luminance(b.diffuse * (1.0 - coat_fresnel(b, coat_cosine(wo.z, b.alpha)))) + multiple.x;
+    float above = luminance(b.diffuse * (1.0 - coat_share(b, coat_cosine(wo.z, b.alpha)))) + multiple.x;
     return multiple.y > 0.0 ? clamp(multiple.y / (above + multiple.y), 0.05, 1.0) : 0.0;
 }
 
