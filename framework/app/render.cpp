@@ -42,7 +42,7 @@ struct RenderOptions {
     std::vector<std::string> knobs;  ///< "pass.knob=value"
     std::optional<uint32_t> bounces;
     std::optional<uint32_t> camera;
-    std::vector<float> pose;  ///< position, target, up, vertical field of view, radians; empty: the camera's own
+    std::vector<double> pose;  ///< position, target, up, vertical field of view, radians; empty: the camera's own
     bool half = false;
     DisplayTransform display;
     RendererOptions renderer;
@@ -327,7 +327,7 @@ void render(RenderOptions& options)
     Renderer renderer(scene, std::move(graph), options.renderer);
     compiling.reset();
     if (const auto& p = options.pose; !p.empty())
-        renderer.moveCamera({{p[0], p[1], p[2]}, {p[3], p[4], p[5]}, {p[6], p[7], p[8]}, p[9]});
+        renderer.moveCamera({{p[0], p[1], p[2]}, {p[3], p[4], p[5]}, {p[6], p[7], p[8]}, float(p[9])});
     const Interruption interruption;
     const auto& device = renderer.device().description();
     fmt::print("{}, {}, {} back end\n", device.name, device.driver,

@@ -172,9 +172,9 @@ py::array_t<uint8_t> readPort(SharedRenderer& shared, const std::string& port)
     return py::array_t<uint8_t>(py::ssize_t(bytes.size()), bytes.data());
 }
 
-using Triple = std::array<float, 3>;
+using Triple = std::array<double, 3>;
 
-Triple triple(const glm::vec3& v)
+Triple triple(const glm::dvec3& v)
 {
     return {v.x, v.y, v.z};
 }
@@ -208,7 +208,7 @@ py::list sceneCameras(SharedRenderer& shared)
 void moveCamera(SharedRenderer& shared, const std::optional<Triple>& position, const std::optional<Triple>& target,
                 const std::optional<Triple>& up, std::optional<float> yfov)
 {
-    const auto take = [](glm::vec3& to, const std::optional<Triple>& from) {
+    const auto take = [](glm::dvec3& to, const std::optional<Triple>& from) {
         if (from)
             to = {(*from)[0], (*from)[1], (*from)[2]};
     };

@@ -13,16 +13,17 @@
 namespace restirpg {
 namespace {
 
-/// A camera node's world matrix for a pose.
-glm::mat4 lookMatrix(const CameraPose& pose)
+/// A camera node's world matrix for a pose, relative to `origin`. Differences of places are taken in double: far from 0
+/// a float cannot tell the position from what is looked at.
+glm::mat4 lookMatrix(const CameraPose& pose, const glm::dvec3& origin)
 {
     for (const auto& [name, v] :
          {std::pair("position", pose.position), std::pair("target", pose.target), std::pair("up", pose.up)})
-        if (!glm::all(glm::lessThan(glm::abs(v), glm::vec3(LARGEST_ENTRY))))
+        if (!glm::all(glm::lessThan(glm::abs(v), glm::dvec3(LARGEST_ENTRY))))
             failAs<WrongValue>("the camera's {} ({}, {}, {}) is not finite, or reaches {}; bring it nearer to 0", name,
                                v.x, v.y, v.z, LARGEST_ENTRY);
-    const glm::vec3 back = pose.position - pose.target;
-    const glm::vec3 right = glm::cross(pose.up, back);
+    const glm::vec3 back(pose.position - pose.target);
+    const glm::vec3 right = glm::cross(glm::vec3(pose.up), back);
     if (!std::isfinite(glm::length(right)))
         failAs<WrongValue>("the camera's up direction ({}, {}, {}) is too long; give it a length of 1", pose.up.x,
                            pose.up.y, pose.up.z);
@@ -30,7 +31,8 @@ glm::mat4 lookMatrix(const CameraPose& pose)
         failAs<WrongValue>("the camera's target and up direction do not span a view; move the target away from the "
                            "position and up out of line");
     const glm::vec3 z = glm::normalize(back), x = glm::normalize(right);
-    return glm::mat4(glm::vec4(x, 0), glm::vec4(glm::cross(z, x), 0), glm::vec4(z, 0), glm::vec4(pose.position, 1));
+    return glm::mat4(glm::vec4(x, 0), glm::vec4(glm::cross(z, x), 0), glm::vec4(z, 0),
+                     glm::vec4(pose.position - origin, 1));
 }
 
 /// A file's name in it may be no UTF-8.
@@ -106,8 +108,7 @@ FrameConstants Renderer::constants(const std::vector<glm::mat4>& pose) const
     glm::mat4 toWorld = pose[node.node];
     if (cameraOverride_) {
         camera.yfov = cameraOverride_->yfov;
-        toWorld = lookMatrix(*cameraOverride_);
-        toWorld[3] -= glm::vec4(scene_->origin, 0);
+        toWorld = lookMatrix(*cameraOverride_, scene_->origin);
     }
     constants.camera = makeCamera(camera, toWorld, aspect);
     constants.previousCamera = constants.camera;
@@ -217,9 +218,9 @@ CameraPose Renderer::camera() const
 CameraPose Renderer::poseOf(const CameraNode& camera) const
 {
     const auto toWorld = poseNodes(*scene_, time(), overrides_)[camera.node];
-    const glm::vec3 position = glm::vec3(toWorld[3]) + scene_->origin;
-    return {position, position - glm::normalize(glm::vec3(toWorld[2])), glm::normalize(glm::vec3(toWorld[1])),
-            camera.yfov};
+    const glm::dvec3 position = glm::dvec3(toWorld[3]) + glm::dvec3(scene_->origin);
+    const glm::dvec3 back = glm::normalize(glm::vec3(toWorld[2]));
+    return {position, position - back, glm::normalize(glm::vec3(toWorld[1])), camera.yfov};
 }
 
 std::vector<std::pair<std::string, CameraPose>> Renderer::sceneCameras() const
@@ -235,7 +236,7 @@ void Renderer::moveCamera(const CameraPose& pose)
     if (!(pose.yfov > 0 && pose.yfov < LARGEST_YFOV))
         failAs<WrongValue>("a vertical field of view of {} radians is no pinhole camera; give one between 0 and {}",
                            pose.yfov, LARGEST_YFOV);
-    lookMatrix(pose);  // refuses poses that span no view
+    lookMatrix(pose, scene_->origin);  // refuses poses that span no view
     cameraOverride_ = pose;
 }
 

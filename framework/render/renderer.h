@@ -36,11 +36,12 @@ struct RendererOptions {
     CompileProgress compiling;
 };
 
-/// Where the camera stands, for users. `target` is a point looked at.
+/// Where the camera stands, for users. `target` is a point looked at. World coordinates are in double, since those of a
+/// float are coarse far from 0.
 struct CameraPose {
-    glm::vec3 position;
-    glm::vec3 target;
-    glm::vec3 up;
+    glm::dvec3 position;
+    glm::dvec3 target;
+    glm::dvec3 up;
     float yfov;  ///< radians
 };
 

@@ -4,7 +4,19 @@ import json
 
 import numpy as np
 import pytest
-from renderer_scenes import SIZE, frame_graph, image_after, make_renderer, refusal, restirpg, write_flying_panel
+from renderer_scenes import (
+    SIZE,
+    frame_graph,
+    image_after,
+    make_renderer,
+    refusal,
+    restirpg,
+    write_far,
+    write_flying_panel,
+)
+
+from restirpg.scenes import shapes
+from restirpg.scenes.gltf import SceneFile, lambert
 
 
 def test_the_camera_is_moved_in_parts(renderer):
@@ -21,6 +33,23 @@ def test_the_camera_is_moved_in_parts(renderer):
     np.testing.assert_allclose(image_after(renderer, 1).mean((0, 1)), before.mean((0, 1)), rtol=0.05)
     assert "field of view" in refusal(renderer.move_camera, yfov=4.0)
     assert "span" in refusal(renderer.move_camera, target=renderer.camera["position"])
+
+
+def test_a_camera_far_from_the_origin_is_moved_to_where_it_stands(tmp_path):
+    scene, eye, place = SceneFile("box", 0, environment=(1.0, 1.0, 1.0)), (-1.86, 0.0, 2.48), (4e6, 0.0, 4e6)
+    scene.add("Box", (shapes.box((-1, -1, -1), (1, 1, 1)), lambert("Box", (0.5, 0.5, 0.5))))
+    scene.add_camera(eye, (0, 0, 0))
+    renderer = make_renderer(restirpg.load_scene(write_far(scene.write(tmp_path), tmp_path / "far.glb", place)))
+    before = image_after(renderer, 1)
+    pose = renderer.camera
+    np.testing.assert_allclose(np.subtract(pose["position"], place), eye, atol=1e-6)
+    renderer.move_camera(**pose)
+    assert renderer.camera == pose
+    renderer.cut()
+    assert image_after(renderer, 1).tobytes() == before.tobytes()
+    renderer.save(tmp_path / "a.exr")
+    told = restirpg.read_exr_attributes(tmp_path / "a.exr")["restirpg.pose"].split(",")
+    assert [float(x) for x in told[:9]] == [*pose["position"], *pose["target"], *pose["up"]]
 
 
 def test_a_node_is_moved_by_a_matrix_whose_last_column_is_the_translation(scene):
