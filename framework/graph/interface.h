@@ -81,7 +81,7 @@ inline PortType image(uint32_t channels)
 }
 
 /// Where the point of a pixel was in the frame before, minus where it is: an image of 2 channels, in pixels, x right
-/// and y down.
+/// and y down. NaN: it was behind the camera.
 inline PortType motionVectors()
 {
     return {"Motion", 2, 2 * sizeof(float), {}};

@@ -15,12 +15,18 @@ layout(push_constant, scalar) uniform Push { GBufferParameters params; };
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Vec2Image { vec2 at[]; };
 
-/// Where the point was on the previous frame's pixel plane, minus where it is.
+/// From where a point is on the pixel plane to where camera_project found it in the frame before. NaN where it was behind the camera: there
+/// the projection is that of its mirror image.
+vec2 motion_to(vec3 before, vec2 now)
+{
+    return before.z > 0.0 ? before.xy - now : vec2(uintBitsToFloat(0x7fc00000u));
+}
+
 vec2 motion_of(Hit hit, vec3 position, vec2 size)
 {
     vec3 now = camera_project(frame.c.camera, position, size);
     vec3 before = camera_project(frame.c.previousCamera, load_surface(hit, true).position, size);
-    return before.xy - now.xy;
+    return motion_to(before, now.xy);
 }
 
 void write_surface(uint pixel, Hit hit, vec3 direction, vec2 size)
@@ -63,7 +69,7 @@ void write_miss(uint pixel, Hit hit, vec3 direction, vec2 point, vec2 size)
     if (params.motion != 0ul) {
         // Infinitely far: only the camera's rotation moves it.
         vec3 before = camera_project_direction(frame.c.previousCamera, direction, size);
-        Vec2Image(params.motion).at[pixel] = before.xy - point;
+        Vec2Image(params.motion).at[pixel] = motion_to(before, point);
     }
     if (params.material != 0ul)
         FloatImage(params.material).at[pixel] = -1.0;

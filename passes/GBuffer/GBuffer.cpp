@@ -17,7 +17,8 @@ public:
         io.output("albedo", albedo_, image(3), "base colour, linear; 0 at a miss");
         io.output("depth", depth_, image(1), "distance along the camera's axis, m; 0 at a miss");
         io.output("motion", motion_, motionVectors(),
-                  "where the point was in the frame before, minus where it is, in pixels (x right, y down)");
+                  "where the point was in the frame before, minus where it is, in pixels (x right, y down); NaN where "
+                  "it was behind the camera");
         io.output("material", material_, image(1), "index of the material; -1 at a miss");
         io.knob("jitter", jitter_,
                 "sample the pixel uniformly (box filter) instead of at its centre; reuse over pixels or frames needs "

@@ -85,6 +85,19 @@ def test_nothing_has_moved_in_the_first_frame_of_a_run(scene):
         assert motion_after(ending) < 1e-3
 
 
+def test_what_was_behind_the_camera_has_no_motion(scene):
+    """The camera, outside of the open box, turns round to where nothing is, and back."""
+    renderer = make_renderer(scene, outputs=["motion", "material"])
+    home = renderer.camera
+    away = np.subtract(home["position"], home["target"]) + home["position"]
+    for target, hits in ((home["target"], True), (away, False), (home["target"], True)):
+        renderer.move_camera(target=target)
+        motion = image_after(renderer, 1, "motion")
+        assert (renderer.output("material").max() >= 0) == hits
+        assert np.isnan(motion).all() == (renderer.frame > 1)
+    assert np.abs(image_after(renderer, 1, "motion")).max() < 1e-3
+
+
 def test_the_animation_stands_at_the_frames_time(tmp_path):
     panel = restirpg.load_scene(write_flying_panel(tmp_path / "panel.gltf"))
     assert panel.duration == 1

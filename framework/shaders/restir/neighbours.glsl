@@ -62,8 +62,8 @@ float compatibility(Appearance a, vec3 position_a, Appearance b, vec3 position_b
     return n * n * exp(-distance(position_a, position_b) / (REACH * a.distance));
 }
 
-/// Index of the pixel that showed this one's surface in the frame before; false: outside of the image. Of the four pixels around
-/// the reprojected point one, by the bilinear weights.
+/// Index of the pixel that showed this one's surface in the frame before; false: outside of the image, or behind the camera, where motion is
+/// NaN. Of the four pixels around the reprojected point one, by the bilinear weights.
 bool find_previous_pixel(uvec2 at, vec2 motion, vec2 u, out uint pixel)
 {
     vec2 found = floor(vec2(at) + motion + u);
