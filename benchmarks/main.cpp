@@ -3,6 +3,7 @@
 #include "cases.h"
 
 #include "core/error.h"
+#include "core/log.h"
 #include "graph/graph.h"
 #include "render/version.h"
 
@@ -127,7 +128,7 @@ int main(int argc, char** argv)
     try {
         return restirpg::bench::run(argc, argv);
     } catch (const restirpg::Error& error) {
-        fmt::print(stderr, "restirpg_bench: {}\n", error.what());
+        restirpg::logInfo(fmt::format("restirpg_bench: {}", error.what()));
         return 2;
     }
 }

@@ -2,6 +2,7 @@
 #include "app/commands.h"
 
 #include "core/error.h"
+#include "core/log.h"
 #include "core/nearest.h"
 #include "graph/pass.h"
 #include "render/version.h"
@@ -24,7 +25,7 @@ constexpr int EXIT_USER_ERROR = 2;
 
 int refuse(const std::string& message)
 {
-    fmt::print(stderr, "{}\n", restirpg::escaped(message, restirpg::Breaks::kept));
+    restirpg::logInfo(message);
     return EXIT_USER_ERROR;
 }
 
@@ -98,7 +99,7 @@ int main(int argc, char** argv)
         // fmt::print's, when standard output cannot be written.
         return refuse(fmt::format("restirpg: {}", error.what()));
     } catch (const std::exception& error) {
-        fmt::print(stderr, "restirpg: internal error: {}\n", restirpg::escaped(error.what()));
+        restirpg::logInfo(fmt::format("restirpg: internal error: {}", restirpg::escaped(error.what())));
         return 1;
     }
     return 0;

@@ -1,5 +1,7 @@
 #include "app/progress.h"
 
+#include "core/log.h"
+
 #include <cmath>
 
 #include <fmt/format.h>
@@ -25,7 +27,7 @@ Progress::Progress(std::string label, uint32_t total)
 Progress::~Progress()
 {
     if (terminal_)
-        fmt::print(stderr, "{}", CLEAR_LINE);
+        printError(CLEAR_LINE);
 }
 
 void Progress::advance()
@@ -47,8 +49,7 @@ void Progress::draw(double elapsed) const
         const double each = elapsed / done_;
         text += fmt::format("  {:.3g} s each  ETA {}", each, clockText(each * (total_ - done_)));
     }
-    fmt::print(stderr, "{}", text);
-    std::fflush(stderr);
+    printError(text);
 }
 
 std::string clockText(double seconds)

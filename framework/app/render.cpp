@@ -284,16 +284,14 @@ void reportInvalid(Renderer& renderer)
              count, renderer.frame() * double(renderer.window().width) * renderer.window().height);
 }
 
-void writeResults(Renderer& renderer, const RenderOptions& options, const std::string& shown, const Image& reference)
+/// What was written, and its errors.
+void printResults(Renderer& renderer, const RenderOptions& options, const std::string& shown, const Image& reference)
 {
-    const Image image = renderer.output(shown);
-    reportInvalid(renderer);
-    writeFiles(renderer, options, shown);
     for (const auto& file : {options.exr, options.png})
         if (!file.empty())
             fmt::print("wrote {}\n", escaped(file));
     if (!reference.empty()) {
-        const Errors errors = measureErrors(image, reference);
+        const Errors errors = measureErrors(renderer.output(shown), reference);
         fmt::print("against {}: MAPE {:.4g}%, relMSE {:.4g}, RMSE {:.4g}, bias {:+.3g}%, invalid pixels {}\n",
                    escaped(options.reference), 100 * errors.mape, errors.relMse, errors.rmse, 100 * errors.bias,
                    errors.invalid);
@@ -336,8 +334,11 @@ void render(RenderOptions& options)
     const double seconds = renderFrames(renderer, options, shown, interruption);
     if (interruption.signal() != 0)
         logInfo(fmt::format("interrupted after {} of {} frames, which are kept", renderer.frame(), options.frames));
+    // Files first: standard output may be gone by now.
+    reportInvalid(renderer);
+    writeFiles(renderer, options, shown);
     printTimes(renderer, seconds);
-    writeResults(renderer, options, shown, reference);
+    printResults(renderer, options, shown, reference);
     if (interruption.signal() != 0)
         interruption.end();
 }

@@ -26,14 +26,19 @@ std::map<std::string, Kind, std::less<>> kinds;
 void sayOmitted()
 {
     for (const auto& line : omittedWarnings())
-        fmt::print(stderr, "warning: {}\n", line);
+        printError(fmt::format("warning: {}\n", line));
 }
 
 }  // namespace
 
+void printError(std::string_view text)
+{
+    std::fwrite(text.data(), 1, text.size(), stderr);
+}
+
 void logInfo(std::string_view text)
 {
-    fmt::print(stderr, "{}\n", escaped(text, Breaks::kept));
+    printError(escaped(text, Breaks::kept) + "\n");
 }
 
 void logWarning(std::string_view text, std::string_view kindName)
@@ -52,7 +57,7 @@ void logWarning(std::string_view text, std::string_view kindName)
     if (kind.said++ == 0)
         kind.first = line;
     warnings.push_back(line);
-    fmt::print(stderr, "warning: {}\n", line);
+    printError(fmt::format("warning: {}\n", line));
 }
 
 std::vector<std::string> saidWarnings()

@@ -13,6 +13,10 @@ namespace restirpg {
 /// Of one kind of warning, as many are said; the others are counted, and the count is said when the process ends.
 constexpr size_t WARNINGS_SAID = 10;
 
+/// `text` as it is, to standard error. What cannot be written there is lost: a terminal that was closed, or a full
+/// disk, must not end the program.
+void printError(std::string_view text);
+
 void logInfo(std::string_view text);
 
 /// Print `warning: text` in one line, unless the same text was said before in this process or WARNINGS_SAID others of

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 namespace restirpg {
 namespace {
 
@@ -40,6 +43,18 @@ TEST(Log, AWarningIsOneLine)
 {
     warn("{}: line\nbreak", "break.gltf");
     EXPECT_EQ(saidWith("break.gltf: line\\nbreak"), 1u);
+}
+
+TEST(Log, WhatStandardErrorCannotTakeIsLost)
+{
+    const int kept = dup(STDERR_FILENO), full = open("/dev/full", O_WRONLY);
+    dup2(full, STDERR_FILENO);
+    EXPECT_NO_THROW(warn("{}: on a full disk", "full.gltf"));
+    EXPECT_NO_THROW(logInfo("on a full disk"));
+    dup2(kept, STDERR_FILENO);
+    close(kept);
+    close(full);
+    EXPECT_EQ(saidWith("full.gltf"), 1u);
 }
 
 }  // namespace

@@ -17,6 +17,11 @@ def test_a_full_standard_output_is_one_line(command):
     assert re.fullmatch(r".*cannot write.*No space left on device.*\n", done.stderr)
 
 
+def test_a_full_standard_error_changes_no_exit_code():
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        assert subprocess.run([PROGRAM, "describe", "Nothing"], stderr=full, check=False).returncode == 2
+
+
 def test_a_name_steers_no_terminal(tmp_path):
     said = refusal("render", "g\x1b[2J\n.py", "--scene", "s", "-o", "a.exr", folder=tmp_path)
     assert said.startswith("g\\x1b[2J\\n.py: cannot read the graph file")

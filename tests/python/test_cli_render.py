@@ -1,5 +1,6 @@
 """`restirpg render`: what it prints, what it refuses, what it writes."""
 
+import fcntl
 import hashlib
 import os
 import pty
@@ -7,6 +8,7 @@ import re
 import shutil
 import signal
 import subprocess
+import termios
 import time
 
 import numpy as np
@@ -305,6 +307,31 @@ def test_an_interrupted_rendering_keeps_what_there_is(scene, tmp_path, number):
     kept = int(re.search(r"interrupted after (\d+) of 1000000 frames, which are kept\n", errors)[1])
     assert output.endswith("wrote a.exr\n") and kept > 0
     assert header_of(tmp_path / "a.exr")["restirpg.frames"] == str(kept)
+
+
+@pytest.mark.parametrize("printed", ["to the terminal", "elsewhere"])
+def test_a_terminal_that_is_closed_keeps_what_there_is(scene, tmp_path, printed):
+    master, slave = pty.openpty()
+    with subprocess.Popen(
+        [PROGRAM, *map(str, render_command(scene, frames=1000000))],
+        cwd=tmp_path,
+        stdin=slave,
+        stdout=slave if printed == "to the terminal" else subprocess.DEVNULL,
+        stderr=slave,
+        start_new_session=True,
+        preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+    ) as program:
+        os.close(slave)
+        drawn = b""
+        while b"3/1000000" not in drawn:
+            drawn += os.read(master, 65536)
+        os.close(master)
+        try:
+            code = program.wait(timeout=60)
+        finally:
+            program.kill()
+    assert code == -signal.SIGHUP
+    assert 3 <= int(header_of(tmp_path / "a.exr")["restirpg.frames"]) < 1000000
 
 
 def test_every_so_many_frames_are_kept(scene, tmp_path):
