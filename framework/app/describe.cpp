@@ -3,11 +3,9 @@
 
 #include "core/error.h"
 #include "core/log.h"
-#include "core/nearest.h"
 #include "graph/describe.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 namespace restirpg {
 namespace {
@@ -16,19 +14,6 @@ struct DescribeOptions {
     std::string pass;
     bool markdown = false;
 };
-
-void describeOne(const Plugins& plugins, const DescribeOptions& options, TextFormat format)
-{
-    const auto* plugin = plugins.find(options.pass);
-    if (!plugin && !plugins.problem(options.pass).empty())
-        fail("{}", plugins.problem(options.pass));
-    if (!plugin) {
-        const auto guess = didYouMean(options.pass, plugins.names());
-        fail("there is no pass type '{}'; pass types: {}{}{}", options.pass, fmt::join(plugins.names(), ", "),
-             guess.empty() ? "" : "; ", guess);
-    }
-    fmt::print("{}", describePass(*plugin->entry, format));
-}
 
 void describeAll(const Plugins& plugins, TextFormat format)
 {
@@ -61,7 +46,7 @@ void addDescribeCommand(CLI::App& app)
         if (options->pass.empty())
             describeAll(plugins, format);
         else
-            describeOne(plugins, *options, format);
+            fmt::print("{}", describePass(*plugins.get(options->pass).entry, format));
     });
 }
 

@@ -37,11 +37,11 @@ struct RenderOptions {
     /// Of the graph or its passes, the first is the picture; empty: all of the graph's
     std::vector<std::string> outputs;
     std::string reference;
-    std::string environment;
+    std::optional<std::string> environment;  ///< in place of the scene's
     bool allowOutside = false;
     std::vector<std::string> knobs;  ///< "pass.knob=value"
     std::optional<uint32_t> bounces;
-    std::optional<uint32_t> camera;
+    uint32_t camera = 0;
     std::vector<double> pose;  ///< position, target, up, vertical field of view, radians; empty: the camera's own
     bool half = false;
     DisplayTransform display;
@@ -84,18 +84,6 @@ std::vector<std::filesystem::path> inputsOf(const RenderOptions& options, const 
     const auto named = graph.namedFiles();
     inputs.insert(inputs.end(), named.begin(), named.end());
     return inputs;
-}
-
-std::shared_ptr<const Scene> loadScene(const RenderOptions& options)
-{
-    Scene scene = loadGltf(options.scene, options.allowOutside);
-    if (!options.environment.empty())
-        replaceEnvironment(scene, options.environment);
-    if (options.camera && *options.camera >= scene.cameras.size())
-        fail("{}: there is no camera {}; the scene has {}, counted from 0", options.scene, *options.camera,
-             scene.cameras.size());
-    scene.camera = options.camera.value_or(scene.camera);
-    return std::make_shared<const Scene>(std::move(scene));
 }
 
 /// Bounce cap first (the user's, else the scene's own), then the knobs named one by one.
@@ -309,7 +297,8 @@ void render(RenderOptions& options)
     auto graph = std::make_unique<Graph>(readGraphFile(options.graph), Plugins());
     const std::string shown = chooseOutput(*graph, options);
     const Image reference = readReference(options);
-    const auto scene = loadScene(options);
+    const auto scene = std::make_shared<const Scene>(
+        loadScene(options.scene, options.environment, options.camera, options.allowOutside));
     checkReferenceHeader(options, *scene);
     setKnobs(*graph, options, *scene);
     for (const auto& file : {options.exr, options.png})

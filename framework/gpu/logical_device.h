@@ -40,6 +40,9 @@ struct DeviceDescription {
 
 std::vector<DeviceDescription> listDevices();
 
+/// The one that DeviceOptions::device names: digits alone are an index. Throws WrongValue when there is none.
+size_t chooseDevice(const std::vector<DeviceDescription>& devices, const std::string& wanted);
+
 /// Ticks from one time stamp to a later one, which have so many bits (timestampValidBits) and start over at 0.
 constexpr uint64_t ticksBetween(uint64_t begin, uint64_t end, uint32_t bits)
 {

@@ -118,13 +118,13 @@ void Graph::addOutput(const std::string& name)
                 others.push_back(path);
         }
     if (found.empty())
-        fail("graph '{}' has no output '{}'; it has: {}; and, of its passes: {}", name_, name, fmt::join(names, ", "),
-             fmt::join(others, ", "));
+        failAs<WrongValue>("graph '{}' has no output '{}'; it has: {}; and, of its passes: {}", name_, name,
+                           fmt::join(names, ", "), fmt::join(others, ", "));
     if (found.size() > 1) {
         std::vector<std::string> paths;
         for (const auto& output : found)
             paths.push_back(passes_[output.pass].name + "." + output.name);
-        fail("graph '{}' has several ports '{}'; name one of: {}", name_, name, fmt::join(paths, ", "));
+        failAs<WrongValue>("graph '{}' has several ports '{}'; name one of: {}", name_, name, fmt::join(paths, ", "));
     }
     GraphOutput added = found.front();
     description_["outputs"].push_back({{"name", name}, {"pass", passes_[added.pass].name}, {"output", added.name}});

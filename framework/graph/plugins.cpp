@@ -1,9 +1,10 @@
 #include "graph/plugins.h"
 
-#include "core/error.h"
+#include "core/nearest.h"
 #include "core/paths.h"
 
 #include <dlfcn.h>
+#include <fmt/ranges.h>
 
 #include <cstdlib>
 #include <sstream>
@@ -118,6 +119,17 @@ const Plugin* Plugins::find(const std::string& name) const
         }
     }
     return &found->second;
+}
+
+const Plugin& Plugins::get(const std::string& name) const
+{
+    if (const Plugin* plugin = find(name))
+        return *plugin;
+    if (const auto text = problem(name); !text.empty())
+        fail("{}", text);
+    const auto guess = didYouMean(name, names());
+    failAs<WrongValue>("there is no pass type '{}'; pass types: {}{}{}", name, fmt::join(names(), ", "),
+                       guess.empty() ? "" : "; ", guess);
 }
 
 std::vector<fs::path> Plugins::code() const

@@ -58,6 +58,9 @@ public:
 
     /// Loads the pass's library if need be. nullptr when there is no such pass or it cannot be loaded: see problem().
     const Plugin* find(const std::string& name) const;
+    /// As find(). Throws Error where the pass cannot be loaded, WrongValue naming the passes there are where it is
+    /// none.
+    const Plugin& get(const std::string& name) const;
     /// What pictures depend on besides the framework itself: of each pass in the order of names(), its library, then
     /// the folder of its kernels. Loads them all; what does not load is left out, for it cannot render.
     std::vector<std::filesystem::path> code() const;

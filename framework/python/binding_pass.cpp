@@ -1,10 +1,9 @@
 // What passes declare: their ports and knobs.
 #include "binding.h"
 
-#include "core/error.h"
 #include "graph/plugins.h"
 
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 namespace restirpg::python {
 namespace {
@@ -49,17 +48,12 @@ nlohmann::json describeKnob(const Knob& knob)
 nlohmann::json describePass(const std::string& type)
 {
     const Plugins plugins;
-    const Plugin* plugin = plugins.find(type);
-    if (!plugin && !plugins.problem(type).empty())
-        fail("{}", plugins.problem(type));
-    if (!plugin)
-        fail("there is no pass type '{}'; pass types: {}", type, fmt::join(plugins.names(), ", "));
-    const auto [pass, interface] =
-        runPlugin(fmt::format("pass type '{}' ", type), [&] { return instantiate(*plugin->entry); });
+    const PluginEntry& entry = *plugins.get(type).entry;
+    const auto [pass, interface] = runPlugin(fmt::format("pass type '{}' ", type), [&] { return instantiate(entry); });
     auto knobs = nlohmann::json::array();
     for (const Knob& knob : interface.knobs())
         knobs.push_back(describeKnob(knob));
-    return {{"meaning", plugin->entry->meaning},
+    return {{"meaning", entry.meaning},
             {"inputs", describePorts(interface.inputs())},
             {"outputs", describePorts(interface.outputs())},
             {"knobs", knobs}};

@@ -26,19 +26,6 @@ constexpr const char* LOAD_GRAPH = R"(Read a graph file (.py, evaluated by a Pyt
 
 Only its shape is checked here; Renderer checks it against the passes.)";
 
-std::shared_ptr<Scene> loadScene(const fs::path& file, uint32_t camera, const std::optional<std::string>& environment,
-                                 bool allowOutside)
-{
-    auto scene = std::make_shared<Scene>(loadGltf(file, allowOutside));
-    if (environment)
-        replaceEnvironment(*scene, *environment);
-    if (camera >= scene->cameras.size())
-        failAs<WrongValue>("{}: there is no camera {}; the scene has {}, counted from 0", file.string(), camera,
-                           scene->cameras.size());
-    scene->camera = camera;
-    return scene;
-}
-
 /// (first key, last key, jump) of each channel: a list of tuples.
 py::list animationKeys(const Scene& scene)
 {
@@ -121,8 +108,13 @@ void bindScene(py::module_& module)
             return fmt::format("<restirpg.Scene {}: {} triangles>", escaped(scene.file.string()),
                                scene.instancedTriangleCount());
         });
-    module.def("load_scene", &loadScene, LOAD_SCENE, "file"_a, "camera"_a = 0, "environment"_a = py::none(),
-               "allow_outside"_a = false, py::call_guard<py::gil_scoped_release>());
+    module.def(
+        "load_scene",
+        [](const fs::path& file, uint32_t camera, const std::optional<std::string>& environment, bool allowOutside) {
+            return std::make_shared<Scene>(loadScene(file, environment, camera, allowOutside));
+        },
+        LOAD_SCENE, "file"_a, "camera"_a = 0, "environment"_a = py::none(), "allow_outside"_a = false,
+        py::call_guard<py::gil_scoped_release>());
 
     py::class_<GraphDescription>(module, "GraphDescription", "A graph as data, from load_graph.")
         .def_property_readonly(

@@ -1,5 +1,6 @@
 #include "scene/gltf.h"
 
+#include "core/error_kinds.h"
 #include "scene/gltf_file.h"
 
 #include <algorithm>
@@ -136,6 +137,19 @@ Scene loadGltf(const std::filesystem::path& file, bool allowOutside)
     } catch (const std::exception& error) {
         fail("{}: damaged: {}; export it again", file.string(), printable(error.what()));
     }
+}
+
+Scene loadScene(const std::filesystem::path& file, const std::optional<std::string>& environment, uint32_t camera,
+                bool allowOutside)
+{
+    Scene scene = loadGltf(file, allowOutside);
+    if (environment)
+        replaceEnvironment(scene, *environment);
+    if (camera >= scene.cameras.size())
+        failAs<WrongValue>("{}: there is no camera {}; the scene has {}, counted from 0", file.string(), camera,
+                           scene.cameras.size());
+    scene.camera = camera;
+    return scene;
 }
 
 }  // namespace restirpg

@@ -23,6 +23,11 @@ namespace restirpg {
 /// Error, unless `allowOutside`: a scene from elsewhere must not read what its author could not.
 Scene loadGltf(const std::filesystem::path& file, bool allowOutside = false);
 
+/// loadGltf, lit by `environment` where it is given (see replaceEnvironment), seen by its camera of this number. Throws
+/// WrongValue when there is none.
+Scene loadScene(const std::filesystem::path& file, const std::optional<std::string>& environment, uint32_t camera,
+                bool allowOutside);
+
 /// Read an equirectangular environment (.exr, .hdr), or parse "r,g,b" as a constant radiance.
 Environment loadEnvironment(const std::string& source);
 

@@ -2,7 +2,7 @@
 #include "gpu_test.h"
 
 #include "core/cache_file.h"
-#include "core/error.h"
+#include "core/error_kinds.h"
 
 #include <atomic>
 #include <chrono>
@@ -109,6 +109,20 @@ TEST(LogicalDevice, ThatIsLostIsReplaced)
     Device device(options);
     EXPECT_EQ(&device.logical(), other.get());
     device.submit([](VkCommandBuffer) {});
+}
+
+TEST(LogicalDevice, DigitsAreANumberAndOtherTextIsAPartOfAName)
+{
+    std::vector<DeviceDescription> devices(3);
+    devices[0].name = "Radeon RX 6800 (RADV NAVI21)";
+    devices[1].name = "GeForce RTX 3090";
+    devices[2].name = "llvmpipe (128 bits)";
+    EXPECT_EQ(chooseDevice(devices, "1"), 1u);
+    EXPECT_EQ(chooseDevice(devices, "2"), 2u);
+    EXPECT_EQ(chooseDevice(devices, "RTX 3090"), 1u);
+    EXPECT_EQ(chooseDevice(devices, "llvmpipe"), 2u);
+    for (const char* none : {"3", "6800", "99999999999999999999999", "Voodoo"})
+        EXPECT_THROW(chooseDevice(devices, none), WrongValue) << none;
 }
 
 TEST(LogicalDevice, TimeStampsStartOver)
