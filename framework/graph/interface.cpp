@@ -30,12 +30,6 @@ void checkName(const std::string& name, bool taken)
         fail("it declares '{}' twice", name);
 }
 
-/// A float's bound as it was written: 0.1f as 0.1.
-double written(float bound)
-{
-    return std::stod(fmt::format("{}", bound));
-}
-
 /// Inputs and knobs share one name space: both are keyword arguments of Graph.add.
 void addKnob(std::vector<Knob>& knobs, const std::vector<InputPort>& inputs, Knob knob)
 {
@@ -109,7 +103,7 @@ void Interface::knob(const std::string& name, uint32_t& target, uint32_t minimum
 
 void Interface::knob(const std::string& name, float& target, float minimum, float maximum, const std::string& meaning)
 {
-    addKnob(knobs_, inputs_, {name, &target, meaning, written(minimum), written(maximum), {}});
+    addKnob(knobs_, inputs_, {name, &target, meaning, shortest(minimum), shortest(maximum), {}});
 }
 
 void Interface::knob(const std::string& name, std::string& target, const std::string& meaning)

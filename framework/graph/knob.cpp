@@ -20,12 +20,6 @@ struct Overloaded : Cases... {
 template <typename... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;
 
-/// The double that prints as the float does: 0.1f becomes 0.1, not 0.10000000149.
-double shortest(float value)
-{
-    return std::stod(fmt::format("{}", value));
-}
-
 /// What a knob accepts, as a noun phrase.
 std::string accepted(const Knob& knob)
 {
@@ -84,6 +78,14 @@ nlohmann::json booleanFrom(std::string text)
 }
 
 }  // namespace
+
+double shortest(float value)
+{
+    const std::string text = fmt::format("{}", value);
+    double result = 0;
+    std::from_chars(text.data(), text.data() + text.size(), result);  // in any locale, unlike std::stod
+    return result;
+}
 
 std::string Knob::typeName() const
 {

@@ -37,4 +37,7 @@ struct Knob {
     void setFromText(const std::string& text);
 };
 
+/// The double that prints as the float does: 0.1f becomes 0.1, not 0.10000000149.
+double shortest(float value);
+
 }  // namespace restirpg

@@ -7,8 +7,8 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -86,19 +86,22 @@ struct Header {
     uint32_t length() const { return rowsAlongX ? width : height; }
 };
 
-/// `count` numbers, separated by white space.
+/// `count` numbers, separated by white space. Their point is one in any locale, unlike std::strtod's.
 template <size_t count>
 std::array<double, count> numbers(const fs::path& file, const std::string& key, const std::string& text)
 {
     std::array<double, count> values{};
-    const char* begin = text.c_str();
+    const char* begin = text.data();
+    const char* const end = begin + text.size();
     for (double& value : values) {
-        char* end = nullptr;
-        value = std::strtod(begin, &end);
-        if (end == begin || !std::isfinite(value))
+        begin = std::find_if(begin, end, [](char c) { return c != ' ' && c != '\t'; });
+        if (begin != end && *begin == '+')
+            ++begin;
+        const auto read = std::from_chars(begin, end, value);
+        if (read.ec != std::errc() || !std::isfinite(value))
             fail("{}: cannot read: {} is not followed by {} number{}; mend the header", file.string(), key, count,
                  count == 1 ? "" : "s");
-        begin = end;
+        begin = read.ptr;
     }
     return values;
 }

@@ -1,8 +1,11 @@
 """The renderer through Python: frames, seeds, windows, cuts, knobs, interrupts and refusals."""
 
+import locale
 import os
 import re
+import shutil
 import signal
+import subprocess
 import threading
 import time
 
@@ -163,6 +166,24 @@ def test_a_pass_tells_its_ports_and_knobs():
     assert (outputs["radiance"]["type"], outputs["radiance"]["channels"]) == ("Image3", 3)
     assert {"name", "type", "channels", "meaning"} == declared["inputs"][0].keys()
     assert "no pass type 'Nothing'; pass types: Accumulate" in refusal(restirpg.describe_pass, "Nothing")
+    assert refusal(restirpg.describe_pass, "GBufer").endswith("; did you mean 'GBuffer'?")
+
+
+def test_numbers_have_a_point_in_every_locale(scene_file, tmp_path, monkeypatch):
+    german = "de_DE.UTF-8"  # which writes 0,5
+    command = ["localedef", "-i", "de_DE", "-f", "UTF-8", tmp_path / german]
+    if not shutil.which("localedef") or subprocess.run(command, capture_output=True, check=False).returncode:
+        pytest.skip("localedef and the sources of locales are not here: no number is read in another locale")
+    (tmp_path / "sky.hdr").write_bytes(b"#?RADIANCE\nEXPOSURE=0.5\n\n-Y 1 +X 1\n\x80\x80\x80\x80")
+    monkeypatch.setenv("LOCPATH", str(tmp_path))
+    before = locale.setlocale(locale.LC_NUMERIC)
+    locale.setlocale(locale.LC_NUMERIC, german)
+    try:
+        knobs = {knob["name"]: knob for knob in restirpg.describe_pass("PathTracerGuided")["knobs"]}
+        restirpg.load_scene(scene_file, environment=str(tmp_path / "sky.hdr"))
+    finally:
+        locale.setlocale(locale.LC_NUMERIC, before)
+    assert knobs["alpha"]["default"] == 0.5
 
 
 def test_a_knob_that_several_passes_have_takes_one_kind_of_value():
