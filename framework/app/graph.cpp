@@ -53,7 +53,7 @@ void printResources(const Graph& graph)
     for (const auto& resource : graph.resources()) {
         const auto& type = graph.passes()[resource.pass].interface.outputs()[resource.output].type;
         table.add({outputName(graph, resource.pass, resource.output), type.name, type.sizeText(),
-                   resource.delayed ? "2" : "1", fmt::format("{} .. {}", resource.firstUse, resource.lastUse)});
+                   std::to_string(resource.copies()), fmt::format("{} .. {}", resource.firstUse, resource.lastUse)});
     }
     fmt::print("\nresources\n{}", table.text());
 }

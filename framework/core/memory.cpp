@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <string_view>
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -39,28 +40,66 @@ uint64_t machineLeaves()
     return uint64_t(sysconf(_SC_PHYS_PAGES)) * uint64_t(sysconf(_SC_PAGESIZE));
 }
 
-/// Of the control group that this process is in, versions 2 and 1. Inside a container its group is the root.
-uint64_t groupLeaves()
+/// The files of a version of control groups that tell of memory.
+struct GroupFiles {
+    const char* limit;
+    const char* used;
+    std::array<std::string_view, 2> cached;  ///< keys of memory.stat, of a group and all below it
+};
+constexpr GroupFiles VERSION_2 = {"memory.max", "memory.current", {"inactive_file", "active_file"}};
+constexpr GroupFiles VERSION_1 = {
+    "memory.limit_in_bytes", "memory.usage_in_bytes", {"total_inactive_file", "total_active_file"}};
+
+uint64_t cachedBytes(const fs::path& group, const GroupFiles& files)
 {
-    const fs::path root = "/sys/fs/cgroup";
-    std::array<fs::path, 2> groups{root, root};
-    std::ifstream stream("/proc/self/cgroup");
-    for (std::string line; std::getline(stream, line);)
-        if (line.rfind("0::/", 0) == 0)
-            groups[1] = root / line.substr(4);
-    uint64_t least = UNLIMITED;
-    const auto take = [&](const fs::path& limit, const fs::path& used) {
-        const uint64_t most = numberIn(limit, UNLIMITED);
-        if (most != UNLIMITED)
-            least = std::min(least, most - std::min(most, numberIn(used, 0)));
-    };
-    for (const auto& group : groups)
-        take(group / "memory.max", group / "memory.current");
-    take(root / "memory/memory.limit_in_bytes", root / "memory/memory.usage_in_bytes");
+    std::ifstream stream(group / "memory.stat");
+    std::string key;
+    uint64_t number = 0, sum = 0;
+    while (stream >> key >> number)
+        if (std::find(files.cached.begin(), files.cached.end(), key) != files.cached.end())
+            sum += number;
+    return sum;
+}
+
+uint64_t leftInGroup(const fs::path& group, const GroupFiles& files)
+{
+    const uint64_t most = numberIn(group / files.limit, UNLIMITED);
+    if (most == UNLIMITED)
+        return UNLIMITED;
+    const uint64_t used = numberIn(group / files.used, 0);
+    const uint64_t kept = used - std::min(used, cachedBytes(group, files));
+    return most - std::min(most, kept);
+}
+
+/// The least that `group`, a path below `root` as /proc/self/cgroup has it, and those above it leave. Inside a
+/// container the path may be one that is not there: the root tells then.
+uint64_t leftUpTo(const fs::path& root, const std::string& group, const GroupFiles& files)
+{
+    uint64_t least = leftInGroup(root, files);
+    for (fs::path at = fs::path(group).relative_path(); !at.empty(); at = at.parent_path())
+        least = std::min(least, leftInGroup(root / at, files));
     return least;
 }
 
+uint64_t groupLeaves()
+{
+    std::ifstream membership("/proc/self/cgroup");
+    return groupMemoryLeft("/sys/fs/cgroup", membership);
+}
+
 }  // namespace
+
+uint64_t groupMemoryLeft(const fs::path& root, std::istream& membership)
+{
+    std::string group2, group1;
+    for (std::string line; std::getline(membership, line);) {
+        if (line.starts_with("0::"))
+            group2 = line.substr(3);
+        else if (const auto found = line.find(":memory:"); found != line.npos)
+            group1 = line.substr(found + 8);
+    }
+    return std::min(leftUpTo(root, group2, VERSION_2), leftUpTo(root / "memory", group1, VERSION_1));
+}
 
 uint64_t addressSpaceLeft()
 {

@@ -3,13 +3,20 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <istream>
 #include <string>
 
 namespace restirpg {
 
 /// Bytes that this process can still take without swapping: the least of what the machine has free
-/// (/proc/meminfo's MemAvailable), of what its control group leaves and of what `ulimit -v` leaves.
+/// (/proc/meminfo's MemAvailable), of what its control groups leave and of what `ulimit -v` leaves.
 uint64_t availableMemory();
+
+/// Bytes that the control groups of a process leave, of versions 2 and 1, with all groups above them. Cached files
+/// count as left: they give way. `root`: where groups are (/sys/fs/cgroup). `membership`: what /proc/self/cgroup says.
+/// The largest number where there is no limit.
+uint64_t groupMemoryLeft(const std::filesystem::path& root, std::istream& membership);
 
 /// Bytes of address space that `ulimit -v` leaves; the largest number where there is no limit.
 uint64_t addressSpaceLeft();

@@ -1,5 +1,7 @@
 #include "render/executor.h"
 
+#include "core/memory.h"
+
 #include <algorithm>
 
 namespace restirpg {
@@ -9,6 +11,10 @@ Executor::Executor(Device& device, std::unique_ptr<Graph> graph, uint32_t width,
     : device_(device), graph_(std::move(graph)), width_(width), height_(height)
 {
     graph_->check();
+    uint64_t bytes = 0;
+    for (const auto& plan : graph_->resources())
+        bytes += plan.copies() * copyBytes(plan, graph_->passes()[plan.pass]);
+    checkFits(fmt::format("graph '{}'", graph_->name()), bytes);
     for (const auto& plan : graph_->resources())
         resources_.push_back({plan, allocate(plan, graph_->passes()[plan.pass])});
     constants_ = device_.createBuffer(sizeof(FrameConstants), "frame constants");
@@ -28,8 +34,8 @@ Executor::~Executor()
     vkDestroyQueryPool(device_.handle(), queries_, nullptr);
 }
 
-/// The buffers of an output of `pass`, whose knobs tell their size.
-Executor::Copies Executor::allocate(const PlannedResource& plan, const GraphPass& pass)
+/// Of one buffer of an output of `pass`, whose knobs tell its size.
+uint64_t Executor::copyBytes(const PlannedResource& plan, const GraphPass& pass) const
 {
     constexpr uint64_t MOST_ITEMS = (1ull << 31) - 1;  // GuidingChain needs a bit besides an item's number
     const auto& port = pass.interface.outputs()[plan.output];
@@ -38,9 +44,24 @@ Executor::Copies Executor::allocate(const PlannedResource& plan, const GraphPass
         fail("{}: the output '{}' has {} items at {}x{} pixels, of which kernels can count {}; set a knob that it "
              "follows lower, or render a window",
              placeOf(pass), port.name, bytes / port.type.itemBytes, width_, height_, MOST_ITEMS);
+    return bytes;
+}
+
+/// A CPU's buffers lie in the machine's memory: who takes too much of it is killed without a word.
+void Executor::checkFits(const std::string& place, uint64_t bytes) const
+{
+    if (device_.isCpu())
+        checkMemory(place, fmt::format("a frame of {}x{} pixels", width_, height_), bytes,
+                    "give a smaller --size or a --window");
+}
+
+Executor::Copies Executor::allocate(const PlannedResource& plan, const GraphPass& pass)
+{
+    const uint64_t bytes = copyBytes(plan, pass);
+    checkFits(placeOf(pass), plan.copies() * bytes);
     Copies copies;
-    for (int copy = 0; copy < (plan.delayed ? 2 : 1); ++copy)
-        copies[copy] = device_.createBuffer(bytes, pass.name + "." + port.name);
+    for (uint32_t copy = 0; copy < plan.copies(); ++copy)
+        copies[copy] = device_.createBuffer(bytes, pass.name + "." + pass.interface.outputs()[plan.output].name);
     return copies;
 }
 

@@ -52,6 +52,8 @@ private:
     };
 
     using Copies = std::array<Buffer, 2>;
+    uint64_t copyBytes(const PlannedResource& plan, const GraphPass& pass) const;
+    void checkFits(const std::string& place, uint64_t bytes) const;
     Copies allocate(const PlannedResource& plan, const GraphPass& pass);
     void build(GraphPass& pass);
     using Replacement = std::pair<Resource*, Copies>;  ///< what takes the place of its copies

@@ -6,7 +6,11 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <stdexcept>
+
+#include <sys/resource.h>
+#include <unistd.h>
 
 namespace restirpg::test {
 namespace {
@@ -92,6 +96,23 @@ private:
     Out<Buffer> same_, limited_;
 };
 
+/// So many bytes are left of it while this lives.
+class AddressSpace {
+public:
+    explicit AddressSpace(rlim_t bytes)
+    {
+        getrlimit(RLIMIT_AS, &before_);
+        rlim_t pages = 0;
+        std::ifstream("/proc/self/statm") >> pages;
+        const rlimit limited{pages * rlim_t(getpagesize()) + bytes, before_.rlim_max};
+        setrlimit(RLIMIT_AS, &limited);
+    }
+    ~AddressSpace() { setrlimit(RLIMIT_AS, &before_); }
+
+private:
+    rlimit before_{};
+};
+
 std::string messageOf(const std::function<void()>& action)
 {
     try {
@@ -173,6 +194,24 @@ TEST(ThrowingPass, AKnobThatTheOutputsOfAnotherPassCannotFollowChangesNothing)
     for (const auto& [port, size] : executor.memory())
         EXPECT_EQ(size, 8u * 8u * 400u) << port;
     executor.run({}, noScene);
+}
+
+TEST(Executor, BuffersThatTheMemoryCannotHoldAreRefusedBeforeTheyAreMade)
+{
+    Device device(DeviceOptions{.device = testDevice(), .validation = true});
+    if (!device.isCpu())
+        GTEST_SKIP() << "the device has memory of its own, whose driver refuses what it cannot give";
+    Writer writer;
+    writer.add("a", "Several", {}, {{"count", 20}}).add("b", "Several", {}, {{"count", 20}});
+    writer.output("a", "a.values").output("b", "b.values");  // 80 MiB each
+    const auto said = messageOf([&] {
+        const AddressSpace enoughToTakeThem(300u << 20);
+        Executor(device, std::make_unique<Graph>(writer.graph, Plugins({entry<Several>("Several")})), 1024, 1024, {});
+    });
+    EXPECT_TRUE(said.starts_with("graph 'Test': a frame of 1024x1024 pixels needs 160.0 MiB of memory, of which "))
+        << said;
+    EXPECT_TRUE(said.ends_with("; give a smaller --size or a --window")) << said;
+    EXPECT_EQ(device.allocatedBytes(), 0u);
 }
 
 TEST(Executor, AnOutputOfMoreItemsThanKernelsCountIsRefusedBeforeItIsMade)
