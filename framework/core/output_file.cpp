@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <climits>
 #include <csignal>
 #include <cstring>
@@ -65,6 +66,14 @@ std::string temporaryPrefix()
     return fmt::format(".restirpg-{}-", host);
 }
 
+/// Whether nobody can be writing to it any more. A process of another container is not seen from here.
+bool isOld(const fs::path& file)
+{
+    std::error_code error;
+    const auto written = fs::last_write_time(file, error);
+    return !error && fs::file_time_type::clock::now() - written > std::chrono::hours(24);
+}
+
 /// Removes what killed processes of this machine left unfinished in the folder.
 void removeAbandoned(const fs::path& folder)
 {
@@ -82,7 +91,7 @@ void removeAbandoned(const fs::path& folder)
             continue;
         const auto second = std::from_chars(first.ptr + 1, stop, number);
         if (second.ec == std::errc() && std::string_view(second.ptr) == ".tmp" && process > 0 &&
-            kill(process, 0) != 0 && errno == ESRCH)
+            kill(process, 0) != 0 && errno == ESRCH && isOld(entry->path()))
             unlink(entry->path().c_str());
     }
 }

@@ -9,7 +9,7 @@ namespace restirpg {
 
 /// A file being written. The bytes go to a temporary name in the same folder; `commit` gives the file its name after
 /// everything lies on the disk. Without `commit` the temporary is removed and the file that was there stays. What a
-/// process that was killed left of its own is removed by the next one that writes to the folder.
+/// process that was killed left of its own is removed by one that writes to the folder a day later or more.
 /// All members throw Error, one line that names the file and the reason (a full disk, a limit, a missing folder). After
 /// one failure `commit` fails too, so that a library may swallow the first.
 /// A file that is replaced keeps its permissions; a symbolic link goes on pointing to the file that is written.

@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <climits>
 #include <random>
 
@@ -136,7 +137,7 @@ TEST_F(Output, AFileThatAnotherProcessIsWritingIsLeftAlone)
     EXPECT_EQ(filesInFolder(), 3u);
 }
 
-TEST_F(Output, WhatAKilledProcessLeftIsRemoved)
+TEST_F(Output, WhatAKilledProcessLeftIsRemovedADayLater)
 {
     const pid_t ended = fork();
     if (ended == 0)
@@ -147,6 +148,10 @@ TEST_F(Output, WhatAKilledProcessLeftIsRemoved)
                                         old(fmt::format(".restirpg-another-{}-7.tmp", ended)),
                                         old(fmt::format(".restirpg-{}-{}-7.tmp.exr", host(), ended)),
                                         old(fmt::format(".restirpg-{}-{}.tmp", host(), ended))};
+    writeFile(folder_ / "a.txt", "x");
+    EXPECT_TRUE(fs::exists(abandoned)) << "another container's process of this number may be writing it";
+    for (const auto& file : fs::directory_iterator(folder_))
+        fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(25));
     writeFile(folder_ / "a.txt", "x");
     EXPECT_FALSE(fs::exists(abandoned));
     for (const auto& file : kept)
