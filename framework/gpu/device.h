@@ -75,6 +75,8 @@ public:
     /// Kernels are compiled side by side, in threads of their own: wait for all that were made for this device, throw
     /// the Error of the first that failed.
     void finishKernels(const CompileProgress& progress = {});
+    /// Forget those that nobody will wait for.
+    void dropKernels() { kernels_.clear(); }
     void addKernel(std::shared_future<std::shared_ptr<const Pipeline>> kernel)
     {
         kernels_.push_back(std::move(kernel));

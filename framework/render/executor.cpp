@@ -67,7 +67,12 @@ Executor::Copies Executor::allocate(const PlannedResource& plan, const GraphPass
 
 void Executor::build(GraphPass& pass)
 {
-    runPlugin(placeOf(pass) + ": ", [&] { pass.pass->build(device_); });
+    try {
+        runPlugin(placeOf(pass) + ": ", [&] { pass.pass->build(device_); });
+    } catch (...) {
+        device_.dropKernels();  // nobody waits for those of the passes before
+        throw;
+    }
 }
 
 void Executor::cut()

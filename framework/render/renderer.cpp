@@ -129,16 +129,16 @@ FrameConstants Renderer::constants(const std::vector<glm::mat4>& pose) const
 void Renderer::render(uint32_t frames)
 {
     for (uint32_t i = 0; i < frames; ++i) {
-        const bool begins = frame() == 0;
-        if (begins) {
+        if (frame() == 0) {
             setTime(time());
             previous_.reset();
         }
-        const auto pose = poseNodes(*scene_, time(), overrides_);
-        sceneGpu_->update(pose, begins);
+        auto pose = poseNodes(*scene_, time(), overrides_);
+        sceneGpu_->update(pose, previous_ ? &previousPose_ : nullptr);
         const FrameConstants current = constants(pose);
         executor_->run(current, sceneGpu_->bindings());
         previous_ = current;
+        previousPose_ = std::move(pose);
         ++framesSinceStart_;
     }
 }

@@ -144,6 +144,7 @@ private:
     std::vector<std::optional<glm::mat4>> overrides_;
     std::optional<CameraPose> cameraOverride_;
     std::optional<FrameConstants> previous_;  ///< of the frame before, in the same run
+    std::vector<glm::mat4> previousPose_;  ///< of that frame, whose nodes stood so
     float start_ = 0;  ///< s, time of the first frame since the last cut or setTime
     uint32_t framesSinceStart_ = 0;
 };

@@ -62,12 +62,26 @@ bool hasAlphaMask(const Scene& scene)
                        [](const Material& material) { return material.flags & MATERIAL_ALPHA_MASK; });
 }
 
+/// Adds to a count of bytes what is allocated on the device while it lives, less what is freed.
+class Counted {
+public:
+    Counted(const Device& device, uint64_t& bytes) : device_(device), bytes_(bytes), before_(device.allocatedBytes()) {}
+    ~Counted() { bytes_ += device_.allocatedBytes() - before_; }
+    Counted(const Counted&) = delete;
+    Counted& operator=(const Counted&) = delete;
+
+private:
+    const Device& device_;
+    uint64_t& bytes_;
+    const uint64_t before_;
+};
+
 }  // namespace
 
 SceneGpu::SceneGpu(Device& device, const Scene& scene, const std::vector<glm::mat4>& pose, bool energyCompensation)
     : device_(device), scene_(scene), bindings_(device)
 {
-    const uint64_t before = device.allocatedBytes();
+    const Counted counted(device, bytes_);
     device.changeKernelDefine("RESTIRPG_ALPHA_MASK", hasAlphaMask(scene) ? "1" : "0");
     uploadGeometry();
     if (energyCompensation)
@@ -78,8 +92,7 @@ SceneGpu::SceneGpu(Device& device, const Scene& scene, const std::vector<glm::ma
     createAcceleration();
     refreshInstances();
     uploadLights(pose);
-    pose_ = pose;
-    bytes_ = device.allocatedBytes() - before;
+    pose_ = previousPose_ = pose;
 }
 
 Buffer& SceneGpu::keep(Buffer buffer)
@@ -260,12 +273,11 @@ void SceneGpu::uploadLights(const std::vector<glm::mat4>& pose)
 
 void SceneGpu::refresh()
 {
-    const uint64_t before = device_.allocatedBytes();
+    const Counted counted(device_, bytes_);
     uploadMaterials();
     if (scene_.environment)
         table_.environmentRadiance = scene_.environment->radiance;
     uploadLights(pose_);
-    bytes_ += device_.allocatedBytes() - before;
 }
 
 /// The instances as they stand, and the acceleration structure over them.
@@ -286,26 +298,35 @@ void SceneGpu::refreshInstances()
     }
 }
 
-void SceneGpu::update(const std::vector<glm::mat4>& pose, bool begins)
+/// Move instances, and tell where they were.
+void SceneGpu::moveInstances(const std::vector<glm::mat4>& pose, const std::vector<glm::mat4>& previous)
 {
-    const bool moved = pose != pose_;
-    if (moved || !settled_) {
-        for (size_t i = 0; i < instances_.size(); ++i) {
-            auto& instance = instances_[i];
-            const glm::mat4x3 before = instance.objectToWorld;
-            instance.objectToWorld = glm::mat4x3(pose[scene_.instances[i].node]);
-            instance.flipped = glm::determinant(glm::mat3(instance.objectToWorld)) < 0;
-            previousPoses_[i] = begins ? instance.objectToWorld : before;
-            if (instance.objectToWorld != before)
-                bounds_[i] = boundsOf(i);
-        }
-        refreshInstances();
+    for (size_t i = 0; i < instances_.size(); ++i) {
+        auto& instance = instances_[i];
+        const uint32_t node = scene_.instances[i].node;
+        const glm::mat4x3 toWorld(pose[node]);
+        previousPoses_[i] = glm::mat4x3(previous[node]);
+        if (instance.objectToWorld == toWorld)
+            continue;
+        instance.objectToWorld = toWorld;
+        instance.flipped = glm::determinant(glm::mat3(toWorld)) < 0;
+        bounds_[i] = boundsOf(i);
     }
-    settled_ = begins || !moved;
-    if (!moved && !begins)
+    refreshInstances();
+    previousPose_ = previous;
+}
+
+void SceneGpu::update(const std::vector<glm::mat4>& pose, const std::vector<glm::mat4>* before)
+{
+    const Counted counted(device_, bytes_);
+    const auto& previous = before ? *before : pose;
+    const bool moved = pose != pose_;
+    if (moved || previous != previousPose_)
+        moveInstances(pose, previous);
+    if (!moved && before)
         return;
     const Sphere sphere = boundingSphere();
-    followScene(sphere, begins);
+    followScene(sphere, !before);
     if (!moved)
         return;
     moveLights(lights_, scene_, pose, sphere.radius);

@@ -26,10 +26,9 @@ public:
     /// The light table is made anew, so that lights may get other indices: history that refers to them is to be cut.
     void refresh();
 
-    /// Move instances and lights to a new pose and bring the acceleration structure up to date. What moved in the call
-    /// before stands still now, so this is called every frame. `begins`: it is the first one of a run, whose kernels
-    /// see nothing of the poses before.
-    void update(const std::vector<glm::mat4>& pose, bool begins);
+    /// Move instances and lights to a new pose and bring the acceleration structure up to date, before every frame.
+    /// `before`: the pose of the frame before; null: the frame is the first one of a run, and nothing has moved.
+    void update(const std::vector<glm::mat4>& pose, const std::vector<glm::mat4>* before);
 
     const SceneTable& table() const { return table_; }
     const BindingSet& bindings() const { return bindings_; }
@@ -52,6 +51,7 @@ private:
     Sphere boundingSphere() const;
     void followScene(const Sphere& sphere, bool begins);
     void uploadLights(const std::vector<glm::mat4>& pose);
+    void moveInstances(const std::vector<glm::mat4>& pose, const std::vector<glm::mat4>& previous);
     void refreshInstances();
     Buffer& keep(Buffer buffer);
 
@@ -64,8 +64,7 @@ private:
     std::vector<uint32_t> meshOfInstance_;
     std::vector<Box> bounds_;  ///< of each instance, world space
     LightTable lights_;
-    std::vector<glm::mat4> pose_;
-    bool settled_ = true;  ///< previous and current matrices agree on the device
+    std::vector<glm::mat4> pose_, previousPose_;  ///< on the device
     std::map<float, uint32_t> energyTableOf_;  ///< by index of refraction; empty: no energy compensation
     Buffer instanceBuffer_, previousPoseBuffer_, materialBuffer_;
     Buffer lightBuffer_, lightOfTriangleBuffer_, emissionCellBuffer_, environmentCellBuffer_;

@@ -209,7 +209,7 @@ TEST(LightSampling, TheSceneIsMeasuredAgainWhenItsNodesLeaveIt)
     const auto moveFirst = [&](float distance) {
         auto moved = pose;
         moved[scene.scene.instances[0].node][3].x += distance;
-        scene.gpu.update(moved, false);
+        scene.gpu.update(moved, &pose);
     };
     const float before = directional();
     moveFirst(0.5f * first.radius);

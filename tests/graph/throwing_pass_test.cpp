@@ -54,6 +54,18 @@ private:
     Thrown built_ = Thrown::nothing, recorded_ = Thrown::nothing;
 };
 
+/// Its kernel is not there.
+class Kernelless final : public Pass {
+public:
+    void describe(Interface& io) override { io.output("image", image_, image(3), "Picture"); }
+    void build(Device& device) override { kernel_ = Kernel(device, "/none/nowhere.comp"); }
+    void record(Frame&) override {}
+
+private:
+    Out<Buffer> image_;
+    Kernel kernel_;
+};
+
 /// Has as many values per pixel as its knob says.
 class Several final : public Pass {
 public:
@@ -142,6 +154,18 @@ TEST(ThrowingPass, IsNamedWhenItBuilds)
               }),
               "g.py:1: pass 'it' (Throwing): it threw what is no std::exception");
     EXPECT_EQ(device.allocatedBytes(), 0u);
+}
+
+TEST(ThrowingPass, LeavesNoKernelForTheNextOneToWaitFor)
+{
+    Device device(DeviceOptions{.device = testDevice(), .validation = true});
+    Writer writer;
+    writer.add("before", "Kernelless").add("it", "Throwing", {{"history", "~it.image"}}, {{"built", "error"}});
+    writer.output("one", "before.image").output("image", "it.image");
+    const Plugins plugins({entry<Kernelless>("Kernelless"), entry<Throwing>("Throwing")});
+    EXPECT_EQ(messageOf([&] { Executor(device, std::make_unique<Graph>(writer.graph, plugins), 8, 8, {}); }),
+              "g.py:2: pass 'it' (Throwing): bad\\nday\\x1b");
+    EXPECT_EQ(messageOf([&] { Executor(device, graphOf(json::object()), 8, 8, {}); }), "");
 }
 
 TEST(ThrowingPass, IsNamedWhenItRecordsOrIsBuiltAnewAndRunsAfterwards)

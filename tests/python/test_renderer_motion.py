@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from renderer_scenes import (
+    GRAPH,
     SIZE,
     frame_graph,
     image_after,
@@ -96,6 +97,19 @@ def test_what_was_behind_the_camera_has_no_motion(scene):
         assert (renderer.output("material").max() >= 0) == hits
         assert np.isnan(motion).all() == (renderer.frame > 1)
     assert np.abs(image_after(renderer, 1, "motion")).max() < 1e-3
+
+
+def test_what_moved_has_moved_in_the_frame_that_is_rendered_after_one_that_failed(scene):
+    renderer = make_renderer(scene, restirpg.load_graph(GRAPH.with_name("raw_pt_ruppert2020.py")), outputs=["motion"])
+    renderer.render(1)
+    aside = np.eye(4)
+    aside[0, 3] = 0.1
+    renderer.move_node("Tower", aside)
+    renderer.set("splat.final_edges", "none")
+    assert "final_edges" in refusal(renderer.render)
+    renderer.set("splat.final_edges", "all")
+    assert np.abs(image_after(renderer, 1, "motion")).max() > 1
+    assert renderer.frame == 2
 
 
 def test_the_animation_stands_at_the_frames_time(tmp_path):

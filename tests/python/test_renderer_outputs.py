@@ -22,6 +22,16 @@ def test_times_and_memory_are_reported_for_every_pass(renderer):
     assert renderer.size == SIZE
 
 
+def test_the_memory_of_a_scene_is_what_it_takes_now(renderer):
+    renderer.render(1)
+    before = renderer.memory()["scene"]
+    aside = np.eye(4)
+    aside[0, 3] = 0.1
+    renderer.move_node("Tower", aside)  # which gets a hierarchy of its own
+    renderer.render(1)
+    assert renderer.memory()["scene"] > before
+
+
 def test_a_saved_exr_holds_every_output_and_where_it_came_from(renderer, tmp_path):
     image = image_after(renderer, 2)
     renderer.save(tmp_path / "a.exr")

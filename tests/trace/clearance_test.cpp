@@ -133,7 +133,7 @@ protected:
             for (auto& matrix : before)
                 matrix = glm::scale(glm::mat4(1), glm::vec3(2)) * matrix;
         SceneGpu gpu(device, scene, before);
-        gpu.update(pose, false);
+        gpu.update(pose, &before);
         FrameConstants constants{};
         constants.scene = gpu.table();
         Buffer frame = device.createBuffer(sizeof constants, "frame constants");

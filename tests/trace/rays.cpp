@@ -46,7 +46,7 @@ DeviceTracer::DeviceTracer(Device& device, const Scene& scene, const std::vector
 
 void DeviceTracer::move(const std::vector<glm::mat4>& pose)
 {
-    scene_.update(pose, false);
+    scene_.update(pose, &pose);
     FrameConstants constants{};
     constants.scene = scene_.table();
     device_.upload(constants_, &constants, sizeof constants);
