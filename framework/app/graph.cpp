@@ -27,11 +27,11 @@ void printOrder(const Graph& graph)
     Table table({"#", "pass", "type", "at"});
     for (uint32_t i = 0; i < graph.order().size(); ++i) {
         const auto& pass = graph.passes()[graph.order()[i]];
-        table.add({std::to_string(i), pass.name, pass.type, pass.location.text()});
+        table.add({std::to_string(i), pass.name, pass.type, escaped(pass.location.text())});
     }
     for (const auto& pass : graph.passes())
         if (!pass.live)
-            table.add({"-", pass.name, pass.type, pass.location.text() + ", culled: no output needs it"});
+            table.add({"-", pass.name, pass.type, escaped(pass.location.text()) + ", culled: no output needs it"});
     fmt::print("order\n{}", table.text());
 }
 

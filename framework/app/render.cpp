@@ -211,6 +211,20 @@ void checkReferenceHeader(const RenderOptions& options, const Scene& scene)
         warnOfEnvironment(options, header, scene);
 }
 
+/// Of the view, what the reference has otherwise.
+void warnOfView(const RenderOptions& options, const Renderer& renderer)
+{
+    if (options.reference.empty())
+        return;
+    const auto own = readExrAttributes(options.reference), here = renderer.provenance();
+    if (!own.contains("restirpg.sceneHash"))
+        return;
+    for (const auto& [name, otherwise] : {std::pair("camera", "0"), std::pair("pose", "that of the camera"),
+                                          std::pair("time", "0"), std::pair("energyCompensation", "false")})
+        if (const auto a = attribute(own, name, otherwise), b = attribute(here, name, otherwise); a != b)
+            warn("{}: its {} is {}, here it is {}: the difference counts as error", options.reference, name, a, b);
+}
+
 void writeFiles(Renderer& renderer, const RenderOptions& options, const std::string& shown)
 {
     if (!options.exr.empty())
@@ -315,6 +329,7 @@ void render(RenderOptions& options)
     compiling.reset();
     if (const auto& p = options.pose; !p.empty())
         renderer.moveCamera({{p[0], p[1], p[2]}, {p[3], p[4], p[5]}, {p[6], p[7], p[8]}, float(p[9])});
+    warnOfView(options, renderer);
     const Interruption interruption;
     const auto& device = renderer.device().description();
     fmt::print("{}, {}, {} back end\n", device.name, device.driver,

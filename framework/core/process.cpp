@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <climits>
 #include <csignal>
 #include <cstring>
 #include <thread>
@@ -81,7 +82,8 @@ bool drain(Pipe& output, Pipe& errors, Clock::time_point deadline, ProcessResult
     while (polled[0].fd >= 0 || polled[1].fd >= 0) {
         int wait = -1;  // ms
         if (deadline != NEVER)
-            wait = std::max(0, int(std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count()));
+            wait = int(std::clamp<int64_t>(
+                std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count(), 0, INT_MAX));
         if (wait == 0) {
             result.timedOut = true;
             return false;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -28,9 +29,16 @@ constexpr uint64_t LARGEST_FILE = 16u << 20;
 /// That a Python file may take: RESTIRPG_GRAPH_SECONDS, else 30.
 std::chrono::seconds timeLimit()
 {
+    constexpr int MOST = 1000000;
     const char* given = std::getenv("RESTIRPG_GRAPH_SECONDS");
-    const int seconds = given ? std::atoi(given) : 0;
-    return std::chrono::seconds(seconds > 0 ? seconds : 30);
+    if (!given || !*given)
+        return std::chrono::seconds(30);
+    const char* const end = given + std::strlen(given);
+    int seconds = 0;
+    const auto read = std::from_chars(given, end, seconds);
+    if (read.ec != std::errc() || read.ptr != end || seconds < 1 || seconds > MOST)
+        fail("RESTIRPG_GRAPH_SECONDS={}: give a whole number of seconds from 1 to {}", given, MOST);
+    return std::chrono::seconds(seconds);
 }
 
 std::string readText(const fs::path& file)
@@ -74,8 +82,8 @@ nlohmann::json parseJson(const std::string& text, const fs::path& file)
 std::string evaluate(const fs::path& file)
 {
     auto command = pythonModule("restirpg.evaluate");
-    command.insert(command.end(), {file.string(), std::to_string(timeLimit().count())});
     const auto limit = timeLimit();
+    command.insert(command.end(), {file.string(), std::to_string(limit.count())});
     const auto result = [&] {
         try {
             // Leave no __pycache__ in the user's folder.

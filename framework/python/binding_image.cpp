@@ -63,8 +63,11 @@ void writeLayers(const fs::path& file, const py::dict& layers, bool half,
     std::vector<Layer> images;
     for (const auto& [name, array] : layers) {
         const auto text = py::str(name).cast<std::string>();
-        images.push_back({text, toImage(FloatArray::ensure(array) ? FloatArray::ensure(array) : FloatArray(),
-                                        "layer '" + text + "'")});
+        const auto numbers = FloatArray::ensure(array);
+        if (!numbers)
+            failAs<WrongValue>("layer '{}' must be an array of numbers, not {}", text,
+                               printable(py::repr(array).cast<std::string>()));
+        images.push_back({text, toImage(numbers, "layer '" + text + "'")});
     }
     requireExtension(file, ".exr");
     const PixelType type = half ? PixelType::half : PixelType::full;

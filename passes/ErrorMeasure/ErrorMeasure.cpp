@@ -23,10 +23,15 @@ public:
         io.structural();
     }
 
-    void build(Device& device) override
+    void check() const override
     {
         if (reference_.empty())
-            fail("ErrorMeasure needs a reference: set its knob 'reference' to the path of an EXR file");
+            fail("it needs a reference: set its knob 'reference' to the path of an EXR file");
+    }
+
+    void build(Device& device) override
+    {
+        check();  // the knob may have been emptied since
         const Image reference = readExr(reference_);
         width_ = reference.width;
         height_ = reference.height;

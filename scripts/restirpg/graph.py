@@ -41,10 +41,12 @@ class GraphError(ValueError):
 
 
 def shown_path(path):
-    """`path` as an error message shows it: relative to the working directory where it lies below it."""
+    """`path` as an error message shows it: relative to the working directory where it lies below it. Bytes that are no
+    UTF-8 become \\xff: JSON cannot hold them."""
     absolute = os.path.abspath(path)
     relative = os.path.relpath(absolute)
-    return absolute if relative.startswith(os.pardir) else relative
+    shown = absolute if relative.startswith(os.pardir) else relative
+    return os.fsencode(shown).decode("utf-8", "backslashreplace")
 
 
 def _caller():

@@ -96,6 +96,10 @@ TEST_F(GraphFile, ALoopWithoutEndIsEndedAndLocated)
     // In one operation that takes longer.
     const auto busy = python("10 ** 10 ** 9\n");
     EXPECT_TRUE(busy.starts_with("g.py:") && busy.ends_with(said)) << busy;
+    for (const std::string wrong : {"10m", "abc", "0", "-1", "1.5", "99999999999"}) {
+        setenv("RESTIRPG_GRAPH_SECONDS", wrong.c_str(), 1);
+        EXPECT_EQ(python(""), "RESTIRPG_GRAPH_SECONDS=" + wrong + ": give a whole number of seconds from 1 to 1000000");
+    }
     unsetenv("RESTIRPG_GRAPH_SECONDS");
 }
 
@@ -315,6 +319,8 @@ TEST(Process, IsEndedAtItsLimit)
     EXPECT_EQ(result.output, "begun\n");
     EXPECT_TRUE(runProcess({"sh", "-c", "exec sleep 1000 >&- 2>&-"}, {}, std::chrono::milliseconds(300)).timedOut);
     EXPECT_FALSE(runProcess({"true"}, {}, std::chrono::seconds(100)).timedOut);
+    EXPECT_FALSE(runProcess({"sleep", "0.1"}, {}, std::chrono::hours(1000)).timedOut)
+        << "more milliseconds than an int";
 }
 
 /// Sets a variable of the environment, or unsets it, until the end of its scope.

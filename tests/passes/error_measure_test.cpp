@@ -140,7 +140,7 @@ TEST_F(ErrorMeasureTest, WithoutAValidPixelTheFiguresAreNaN)
 TEST_F(ErrorMeasureTest, AMissingOrMismatchedReferenceIsOneClearError)
 {
     EXPECT_EQ(errorOf([&] { pass_.build(); }),
-              "ErrorMeasure needs a reference: set its knob 'reference' to the path of an EXR file");
+              "it needs a reference: set its knob 'reference' to the path of an EXR file");
     Image small = noise(12);
     small.height -= 1;
     small.data.resize(WIDTH * small.height * 3);

@@ -146,6 +146,23 @@ def test_a_reference_of_another_environment_is_told(scene, one_kernel, tmp_path,
         assert "sky_1.exr: its environment is sky.exr (hash " in capsys.readouterr().err
 
 
+def test_a_reference_of_another_view_is_told(scene, one_kernel, tmp_path):
+    command = ["render", one_kernel, "--scene", scene, "--size", "16x16", "--frames", 1]
+    pose = ["--pose", "0,1,3,0,1,0,0,1,0,0.8"]
+    view = [*pose, "--time", "0.5", "--energy-compensation"]
+    assert restirpg(*command, *view, "-o", "view.exr", folder=tmp_path)[0] == 0
+    assert restirpg(*command, *view, "--reference", "view.exr", folder=tmp_path)[2] == ""
+    told = restirpg(*command, "--reference", "view.exr", folder=tmp_path)[2].splitlines()
+    assert told == [
+        f"warning: view.exr: its {what}: the difference counts as error"
+        for what in (
+            "pose is 0,1,3,0,1,0,0,1,0,0.8, here it is that of the camera",
+            "time is 0.5, here it is 0",
+            "energyCompensation is true, here it is false",
+        )
+    ]
+
+
 def test_a_full_disk_is_one_line_and_keeps_the_old_picture(scene, tmp_path):
     if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", tmp_path], check=False).returncode:
         pytest.skip("a full disk needs a small tmpfs, which only root can mount: none is written to")
@@ -286,6 +303,10 @@ def test_a_scenes_own_bounce_cap_is_replaced(tmp_path):
     command = ["render", GRAPH.with_name("restir_pg.py"), "--scene", file, *render_command(file, frames=1)[4:]]
     said = refusal(*command, folder=tmp_path)
     assert said.startswith(f"{file}: asset.extras.restirpg.bounces is 20: ") and "--bounces N" in said
+    other = tmp_path / "other.gltf"
+    other.write_text(file.read_text().replace('{"bounces": 20}', '{"bounces": 8}'))
+    said = refusal(*command[:3], other, *command[4:], "--set", "paths.bounces=20", folder=tmp_path)
+    assert "'bounces' is 20; set it lower" in said and "other.gltf" not in said
     for option in (["--bounces", "3"], ["--set", "paths.bounces=3"]):
         assert restirpg(*command, *option, "--time", "0.5", "--fps", "8", folder=tmp_path)[0] == 0
         header = header_of(tmp_path / "a.exr")
