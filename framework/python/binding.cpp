@@ -68,7 +68,8 @@ PYBIND11_MODULE(_native, module)
     module.attr("__version__") = restirpg::VERSION;
     module.attr("COMMIT") = restirpg::COMMIT;
     module.attr("PLUGIN_ABI") = restirpg::PLUGIN_ABI;
-    if (const py::object program = py::module_::import("sys").attr("executable"); !program.is_none())
+    // None or empty where a program with a Python inside does not say.
+    if (const py::object program = py::module_::import("sys").attr("executable"); py::cast<bool>(py::bool_(program)))
         restirpg::setPythonInterpreter(program.cast<std::string>());
     restirpg::python::bindImage(module);
     restirpg::python::bindPass(module);

@@ -161,9 +161,13 @@ void render(SharedRenderer& shared, uint32_t frames)
     }
 }
 
-Image picture(SharedRenderer& shared)
+/// As a notebook takes it: None shows nothing.
+py::object notebookPng(SharedRenderer& shared)
 {
-    return shared.run([](Renderer& renderer) { return renderer.output(renderer.outputNames().front()); });
+    const auto picture = shared.run([](Renderer& renderer) {
+        return renderer.frame() == 0 ? Image() : renderer.output(renderer.outputNames().front());
+    });
+    return picture.empty() ? py::object(py::none()) : py::bytes(encodePng(picture, {}, "the picture"));
 }
 
 py::array_t<uint8_t> readPort(SharedRenderer& shared, const std::string& port)
@@ -345,9 +349,8 @@ void bindRenderer(py::module_& module)
         .def_property_readonly("output_names", shared(&Renderer::outputNames),
                                "Names of the graph's outputs; the first is the picture.")
         .def("read_port", &readPort, READ_PORT, "port"_a)
-        .def(
-            "_repr_png_", [](SharedRenderer& r) { return py::bytes(encodePng(picture(r), {}, "the picture")); },
-            "The graph's first output for a notebook, as write_png shows it.")
+        .def("_repr_png_", &notebookPng,
+             "The graph's first output for a notebook, as write_png shows it; None before the first frame.")
         .def(
             "__enter__", [](SharedRenderer& r) -> SharedRenderer& { return r; }, py::return_value_policy::reference)
         .def(

@@ -84,10 +84,11 @@ public:
     /// Give back what it has of the device. Later calls throw Error.
     void close()
     {
+        if (!isOwn())
+            return;  // whose turn it was may have stayed behind in the other process
         pybind11::gil_scoped_release release;
         std::lock_guard turn(mutex_);
-        if (isOwn())
-            renderer_.reset();
+        renderer_.reset();
     }
 
 private:

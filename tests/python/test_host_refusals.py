@@ -5,6 +5,7 @@ import json
 import math
 import os
 import re
+import signal
 import threading
 
 import numpy as np
@@ -104,6 +105,21 @@ def test_a_forked_process_is_told_that_it_cannot_render(scene, renderer):
         said = json.loads(stream.read())
     assert os.waitpid(child, 0)[1] == 0
     assert len(said) == 4 and all("spawn" in text for text in said)
+    renderer.render(1)
+
+
+def test_a_forked_process_closes_nothing(renderer):
+    """Not even while the other process renders."""
+    rendering = threading.Thread(target=renderer.render, args=(100,))
+    rendering.start()
+    child = os.fork()
+    if child == 0:
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        signal.alarm(20)
+        renderer.__exit__(None, None, None)
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == 0
+    rendering.join()
     renderer.render(1)
 
 

@@ -58,6 +58,12 @@ def test_a_program_without_a_module_says_which():
     assert done.stderr.startswith("make_scenes.py: ") and "lacks the module 'numpy'" in done.stderr
 
 
+def test_an_interpreter_that_does_not_know_its_name_reads_graph_files():
+    code = f"import sys; sys.executable = ''; import restirpg; restirpg.load_graph('{ROOT}/graphs/path_tracer.py')"
+    done = python("-c", code, PYTHONPATH=str(native_file().parents[1]))
+    assert done.returncode == 0, done.stderr
+
+
 def public(names):
     """Those without an underscore in front."""
     return {name for name in names if not name.startswith("_")}
@@ -114,6 +120,7 @@ def test_a_file_that_is_not_there_is_pythons_own_error_too(read, name, tmp_path)
 
 def test_a_wrong_value_is_pythons_own_error_too_and_a_closed_renderer_says_so(scene):
     with make_renderer(scene, size=(16, 16)) as renderer:
+        assert renderer._repr_png_() is None
         renderer.render(1)
         assert renderer._repr_png_().startswith(b"\x89PNG")
         for wrong in (
