@@ -26,7 +26,6 @@ public:
     uint64_t address() const { return address_; }
     uint64_t bytes() const { return bytes_; }
     VkBuffer handle() const { return buffer_; }
-    void* mapped() const { return mapped_; }  ///< null unless the memory is visible to the host
     explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
 
 private:
@@ -48,7 +47,7 @@ private:
     uint64_t address_ = 0;
     uint64_t bytes_ = 0;
     uint64_t memoryBytes_ = 0;
-    void* mapped_ = nullptr;
+    void* mapped_ = nullptr;  ///< null unless the memory is visible to the host
 };
 
 }  // namespace restirpg

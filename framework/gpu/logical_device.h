@@ -66,7 +66,6 @@ public:
     const DeviceDescription& description() const { return description_; }
     Backend backend() const { return backend_; }
     bool isCpu() const { return description_.type == "CPU"; }
-    bool validated() const { return validated_; }  ///< the validation layer is on
 
     VkDevice handle() const { return device_; }
     VkPhysicalDevice physical() const { return physical_; }

@@ -32,7 +32,6 @@ public:
 
     const SceneTable& table() const { return table_; }
     const BindingSet& bindings() const { return bindings_; }
-    const std::vector<Instance>& instances() const { return instances_; }
     const LightTable& lights() const { return lights_; }
     uint64_t bytes() const { return bytes_; }
 

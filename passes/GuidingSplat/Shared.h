@@ -21,7 +21,7 @@ struct GuidingSplatParameters {
     uint rowStep;  ///< of so many rows of pixels one is added
 };
 
-// In the order of the knob's choices.
+// Which path edges that end on a light are added.
 RESTIRPG_CONST FINAL_EDGES_ALL = 0u;
 RESTIRPG_CONST FINAL_EDGES_SCATTERED = 1u;
 RESTIRPG_CONST FINAL_EDGES_NONE = 2u;

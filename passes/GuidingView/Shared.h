@@ -13,7 +13,7 @@ struct GuidingViewParameters {
     uint show;  ///< VIEW_*
 };
 
-// In the order of the knob's choices.
+// What is shown.
 RESTIRPG_CONST VIEW_CELL = 0u;
 RESTIRPG_CONST VIEW_LEVEL = 1u;
 RESTIRPG_CONST VIEW_SAMPLES = 2u;
