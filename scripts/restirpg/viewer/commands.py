@@ -92,7 +92,6 @@ def do_restart(session):
     for pane in session.panes:
         pane.renderer.cut()
         pane.forget()
-    session.steps = max(session.steps, 1)
 
 
 def do_keep(session, on):
@@ -136,9 +135,8 @@ def do_show(session, pane, port):
     chosen = session.pane(pane)
     chosen.show(port)
     session.stale = True
-    if chosen.renderer.frame == 0:  # a new renderer
+    if chosen.waits:  # it may have a new renderer
         session.place(chosen)
-        session.begin(chosen)
 
 
 def do_seed(session, value):
@@ -170,11 +168,14 @@ def do_reference(session, source):
 
 
 def do_film(session, frames, kind):
-    """Write pictures of the next frames into a folder; 0 frames: end the film at hand."""
-    film = Film(session.captures, session, frames, kind) if frames != 0 else None
-    session.end_film()
-    session.film = film
-    session.playing = session.playing or film is not None
+    """Write pictures of the next frames into a folder; 0 frames: end the film at hand. A pause is one of the film too."""
+    if frames == 0:
+        session.end_film()
+    elif session.film:
+        raise UserError("a film is being recorded; stop it before the next one")
+    else:
+        session.film = Film(session.captures, session, frames, kind)
+        session.playing = True
 
 
 def do_reload(session):

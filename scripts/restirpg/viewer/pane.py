@@ -58,8 +58,8 @@ class Pane:
         self.build(self.port)
 
     def forget(self):
-        """Begin the viewer's own mean anew; the renderer's history stays."""
-        self._sum, self._count, self.milliseconds = None, 0, 0.0
+        """Begin the viewer's own mean anew; the renderer's history stays. Until its next frame the graph `waits`."""
+        self._sum, self._count, self.milliseconds, self.waits = None, 0, 0.0, True
 
     @property
     def settings(self):
@@ -125,6 +125,7 @@ class Pane:
         start = time.perf_counter()
         self.renderer.render(1)
         self.milliseconds = 1000 * (time.perf_counter() - start)
+        self.waits = False
         if kept and self.frame_ports:
             frame = sum(self.read(port) for port in self.frame_ports)
             self._sum = frame if self._sum is None else self._sum + frame

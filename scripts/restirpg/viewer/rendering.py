@@ -21,7 +21,8 @@ def message_of(error):
 class RenderThread(threading.Thread):
     """`publish` is called here with what is new: state=..., frame=... or error=...
 
-    watched: somebody looks, so frames are rendered. wanted: somebody can take a picture, so it is made.
+    watched: somebody looks, so frames are rendered, as they are for a film. wanted: somebody can take a picture, so it is
+    made.
     """
 
     def __init__(self, session, publish, watch=None):
@@ -104,7 +105,7 @@ class RenderThread(threading.Thread):
         if self._watch and self.watched and (files := self._watch.changed()):
             self._publish(note=f"reading anew: {', '.join(files[:3])}{' ...' if len(files) > 3 else ''}")
             session.apply({"do": "reload"})
-        rendered = self.watched and session.wants_frame()
+        rendered = (self.watched or session.film is not None) and session.wants_frame()
         if rendered:
             session.render()
         if self.watched:

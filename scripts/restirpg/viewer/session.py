@@ -45,14 +45,16 @@ class Session:
         self.revision = 0  # of the state
         self.stale = True  # what was shown last is not what would be shown now
         self.seen = {}  # client: the last of its messages that the next frame() shows
-        self.steps = 0  # frames that are rendered while paused
-        self.moved, self._rendered = False, False
+        self.steps = 0  # frames that are rendered while paused, besides those that a change asks for
+        self.moved = False
+        self._failed = False  # the frame that was rendered last; it is tried again after a change
         self.inspector = Inspector(self, options)
 
     def apply(self, message, client=None):
         """Do what the page asks for. Raises UserError or restirpg.Error; all is as before then."""
         commands.run(self, message)
         self.revision += 1
+        self._failed = False
         if client is not None:
             self.seen[client] = message.get("id")
 
@@ -76,7 +78,6 @@ class Session:
         if not self.keep:
             pane.renderer.cut()
         pane.forget()
-        self.steps = max(self.steps, 1)
 
     def reload(self):
         """Read graph files and shaders anew. What is refused stays as it was: a graph, the traced reference, the probe."""
@@ -88,16 +89,21 @@ class Session:
                 refusals.append(str(error))
         for pane in self.panes:
             self.place(pane)
-        self.steps = max(self.steps, 1)
         if refusals:
             raise UserError("\n".join(dict.fromkeys(refusals)))
 
     def wants_frame(self):
         """Whether there is something to render."""
-        if self.moved or self.steps > 0 or not self._rendered or self.film:
+        if self._failed:
+            return False
+        if self._waits() or self.steps > 0:
             return True
-        plays = self._next_time() != self.time
+        plays = self.film is not None or self._next_time() != self.time
         return self.playing and (plays or min(pane.frames for pane in self.panes) < MOST_FRAMES)
+
+    def _waits(self):
+        """Whether there is no picture of what is looked at: after a cut, or a move in space or time."""
+        return self.moved or any(pane.waits for pane in self.panes)
 
     def _next_time(self):
         """Scene time of the next frame, s: the animation stops at its end, and backwards at its beginning."""
@@ -122,17 +128,18 @@ class Session:
                 if not self.keep:
                     pane.renderer.cut()
             self.moved = False
+        films = self.film and (self.playing or self.steps > 0)
         self.steps = max(0, self.steps - 1)
         try:
             for pane in self.panes:
                 pane.render(self.keep)
-            if self.film:
+            if films:
                 self._write_film()
         except Exception:
-            self.playing, self.steps, self._rendered, self.film = False, 0, True, None  # not again and again
+            self.playing, self.steps, self._failed, self.film = False, 0, True, None  # not again and again
             self.revision += 1
             raise
-        self._rendered = self.stale = True
+        self.stale = True
 
     def _write_film(self):
         self.film.add()
@@ -163,8 +170,8 @@ class Session:
         return traced
 
     def settle(self):
-        """Render a frame where there is no picture of what is looked at: after a cut, or a move in space or time."""
-        if self.moved or not self._rendered or any(pane.renderer.frame == 0 for pane in self.panes):
+        """Render a frame where there is no picture of what is looked at."""
+        if self._waits():
             self.render()
 
     def errors(self):
@@ -229,8 +236,6 @@ class Session:
             "time": self.time,
             "sizes": [len(image) for image in images],
             "reference_frames": self.reference.frames,
-            "film": self.film and self.film.told(),
-            "filmed": self.filmed,
             "view_milliseconds": 1000 * (time.perf_counter() - start),
         }
         self.stale = False
@@ -269,6 +274,8 @@ class Session:
             "reference": self.reference.source,
             "has_file": self.reference.image is not None,
             "films": self.captures is not None,
+            "film": self.film and self.film.told(),
+            "filmed": self.filmed,
         }
 
     def _command(self, pane):

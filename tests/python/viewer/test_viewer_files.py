@@ -92,9 +92,9 @@ def test_a_film_is_numbered_pictures_of_every_graph(session, tmp_path, monkeypat
         session.apply({"do": "film", "frames": frames, "kind": kind})
         folder = session.film.folder
         while session.film:
-            assert session.wants_frame() and session.film.told()["count"] == frames
+            assert session.wants_frame() and session.state()["film"]["count"] == frames
             session.render()
-        assert session.frame().header["filmed"] == str(folder)  # though no page has seen it begin
+        assert session.state()["filmed"] == str(folder)  # though no page has seen it begin
         folders = sorted(folder.iterdir())
         assert folder.parent == tmp_path and [made.name[:2] for made in folders] == ["1_", "2_"]
         for made in folders:
@@ -107,6 +107,35 @@ def test_a_film_is_numbered_pictures_of_every_graph(session, tmp_path, monkeypat
             and json.loads(picture.text["restirpg.graph"])["passes"]
             and picture.text["restirpg.seed"] == "0"
         )
+
+
+def test_a_film_pauses_and_takes_single_steps(session, tmp_path, monkeypatch):
+    monkeypatch.setattr(session, "captures", tmp_path)
+    session.apply({"do": "film", "frames": 5, "kind": "png"})
+    session.render()
+    session.apply({"do": "play", "on": False})
+    assert not session.wants_frame()
+    session.apply({"do": "orbit", "x": 0.1, "y": 0.0})
+    session.render()  # a paused picture follows the camera
+    assert session.state()["film"] == {"done": 1, "count": 5}
+    session.apply({"do": "step"})
+    session.render()
+    assert session.state()["film"]["done"] == 2 and not session.wants_frame()
+    session.apply({"do": "play", "on": True})
+    session.render()
+    assert session.state()["film"]["done"] == 3
+    session.apply({"do": "film", "frames": 0, "kind": "png"})
+
+
+def test_a_second_film_takes_the_end_of_the_first(session, tmp_path, monkeypatch):
+    monkeypatch.setattr(session, "captures", tmp_path)
+    session.apply({"do": "film", "frames": 2, "kind": "png"})
+    film = session.film
+    with pytest.raises(UserError, match="stop it before the next one"):
+        session.apply({"do": "film", "frames": 2, "kind": "png"})
+    assert session.film is film
+    session.apply({"do": "film", "frames": 0, "kind": "png"})
+    assert session.state()["film"] is None
 
 
 def test_captures(session, tmp_path):

@@ -124,6 +124,20 @@ def test_a_film_is_recorded(browser, graph_file):
     assert len(list(graph_file.parent.glob("films/film_*/*/0000[12].png"))) == 4
 
 
+def test_a_second_click_stops_the_film_and_starts_no_other(browser, graph_file):
+    films = graph_file.parent / "films"
+    before = len(list(films.iterdir()))
+    browser.run(
+        "document.querySelector('#length').value = 100000;"
+        "document.querySelector('#film').click(); document.querySelector('#film').click()"
+    )
+    browser.wait("document.querySelector('#film').textContent.startsWith('stop') && page.state.film.done > 1")
+    assert len(list(films.iterdir())) == before + 1
+    browser.run("document.querySelector('#film').click()")
+    browser.wait("document.querySelector('#film').textContent === 'record' && !page.state.film")
+    assert len(list(films.iterdir())) == before + 1
+
+
 def test_the_camera_is_copied_as_a_command_line(browser):
     browser.run("page.copied = []; page.copy = text => page.copied.push(text)")
     browser.run(

@@ -185,6 +185,23 @@ def test_nothing_is_rendered_without_a_tab_that_is_seen(viewer):
     assert not viewer.rendering.watched
 
 
+def test_a_film_goes_on_without_a_tab(viewer, tmp_path, monkeypatch):
+    async def body(tab):
+        await tab.until(is_frame)
+        await tab.send(do="visible", on=False)
+        await tab.send(do="film", frames=40, kind="png")
+        state, _ = await tab.until(lambda kind, content: content.get("state", {}).get("film"))
+        return state["state"]["film"]
+
+    monkeypatch.setattr(viewer.session, "captures", tmp_path)
+    film = with_tab(viewer, body)[0]
+    assert film["count"] == 40 and film["done"] < 40
+    deadline = time.monotonic() + SECONDS
+    while viewer.session.film and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert len(list(tmp_path.glob("*/*/*.png"))) == 40
+
+
 def test_an_exception_in_rendering_is_shown_and_the_viewer_lives(viewer, monkeypatch, capsys):
     def broken(kept):
         raise ZeroDivisionError("a fault in a test")

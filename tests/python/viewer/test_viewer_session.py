@@ -83,6 +83,41 @@ def test_pause_holds_and_a_step_is_one_frame(session):
     assert session.wants_frame()  # a paused picture follows the camera
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"do": "set", "pane": 0, "knob": "paths.bounces", "value": 1},
+        {"do": "reset", "pane": 1},
+        {"do": "restart"},
+        {"do": "keep", "on": True},
+        {"do": "seed", "value": 7},
+        {"do": "show", "pane": 0, "port": "gbuffer.normal"},
+        {"do": "reload"},
+    ],
+)
+def test_a_pause_right_after_a_change_shows_the_change(session, change):
+    """Both commands may come between two frames."""
+    session.apply(change)
+    session.apply({"do": "play", "on": False})
+    assert session.wants_frame()
+    session.render()
+    assert not session.wants_frame()
+
+
+def test_a_frame_that_fails_is_tried_again_after_a_change_alone(session, monkeypatch):
+    def broken(kept):
+        raise ZeroDivisionError("a fault in a test")
+
+    monkeypatch.setattr(session.panes[1], "render", broken)
+    session.apply({"do": "restart"})
+    with pytest.raises(ZeroDivisionError):
+        session.render()
+    assert not session.wants_frame()
+    monkeypatch.undo()
+    session.apply({"do": "exposure", "stops": 1})
+    assert session.wants_frame()
+
+
 def test_errors_are_those_against_the_reference_while_the_camera_is_at_home(session, reference):
     expected = restirpg.measure_errors(images(session)[0], reference)["mape"]
     assert session.errors() == [pytest.approx(expected)] * 2

@@ -224,17 +224,16 @@ class Page {
         this.measure(header);
         this.showTime(header.time);
         this.panel.showFrame(header);
-        this.showFilm(header.film, header.filmed);
         this.send("shown");
     }
 
-    // The film at hand, if there is one; where the last one is, once it has ended. A short film may begin and end between two frames that
+    // The film at hand, if there is one; where the last one is, once it has ended. A short film may begin and end between two states that
     // the page gets.
     showFilm(film, filmed) {
         if (this.filmed !== undefined && this.filmed !== filmed)
             this.report(`the film is in ${filmed}`, "note");
         this.filmed = filmed;
-        this.filming = film;
+        $("film").disabled = false;
         $("film").textContent = film ? `stop (${film.done} of ${film.count})` : "record";
     }
 
@@ -285,7 +284,10 @@ class Page {
                 this.copy(this.state[kind]);
         };
         $("reference").onchange = event => this.send("reference", { source: event.target.value });
-        $("film").onclick = () => this.send("film", { frames: this.filming ? 0 : Number($("length").value), kind: $("kind").value });
+        $("film").onclick = () => {
+            $("film").disabled = true;  // until the state says whether there is a film
+            this.send("film", { frames: this.state.film ? 0 : Number($("length").value), kind: $("kind").value });
+        };
         for (const side of ["a", "b"])
             $(side).onchange = event => this.stage.set({ [side]: Number(event.target.value) });
         for (const button of document.querySelectorAll("[data-mode]"))
@@ -343,6 +345,7 @@ class Page {
             $("camera").replaceChildren(new Option("camera ...", ""), ...s.cameras.map((name, i) => new Option(name || `camera ${i}`, i)));
         $("camera").value = "";
         $("filming").hidden = !s.films;
+        this.showFilm(s.film, s.filmed);
         const fill = (id, value) => { if (document.activeElement !== $(id)) $(id).value = value; };
         $("view").value = s.view;
         fill("exposure", s.exposure);
