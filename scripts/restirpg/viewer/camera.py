@@ -17,6 +17,11 @@ def _vectors(pose):
     return tuple(np.array(pose[name], float) for name in ("position", "target", "up"))
 
 
+def of_scene(entry):
+    """The pose of an entry of Renderer.scene_cameras()."""
+    return {name: entry[name] for name in ("position", "target", "up", "yfov")}
+
+
 def axes(pose):
     """Unit vectors (right, up, forward) of the view."""
     position, target, up = _vectors(pose)
@@ -86,7 +91,11 @@ def fly(pose, right, up, forward):
 
 def zoom(pose, factor):
     """Another field of view: the picture's extent times `factor`."""
-    yfov = 2 * math.atan(math.tan(pose["yfov"] / 2) * factor)
+    return with_fov(pose, 2 * math.atan(math.tan(pose["yfov"] / 2) * factor))
+
+
+def with_fov(pose, yfov):
+    """The same view with a vertical field of view of `yfov` radians, or the nearest that is useful."""
     return {**pose, "yfov": min(_FOV[1], max(_FOV[0], yfov))}
 
 

@@ -1,5 +1,6 @@
 """What the page can download: the picture as PNG, the outputs as EXR with their provenance, the graph as a file."""
 
+import contextlib
 import json
 import re
 import tempfile
@@ -10,6 +11,7 @@ from restirpg.harness import UserError
 
 from . import camera, graphs, pictures
 
+_POSE = "restirpg.pose"
 #: Of a picture that depends on earlier moves of the camera.
 _KEPT = {"history": "kept over moves of the camera"}
 
@@ -35,13 +37,22 @@ def png(session, pane):
 def save(session, pane, file):
     """Write the graph's outputs as EXR with their provenance. Where history is kept over moves of the camera it is the
     picture alone, as it is shown: the graph's own means are over all moves."""
-    if not session.keep:
-        pane.renderer.save(file)
-        return
-    pane.renderer.save(file, output=pane.renderer.output_names[0])
-    kept = {f"restirpg.{name}": text for name, text in {"frames": str(pane.frames), **_KEPT}.items()}
-    attributes = {**restirpg.read_exr_attributes(file), **kept}
-    restirpg.write_exr(file, {"": pane.picture()}, attributes=attributes)
+    pane.renderer.save(file, output=pane.renderer.output_names[0] if session.keep else "")
+    attributes = restirpg.read_exr_attributes(file)
+    if session.keep:
+        attributes |= {f"restirpg.{name}": text for name, text in {"frames": str(pane.frames), **_KEPT}.items()}
+        restirpg.write_exr(file, {"": pane.picture()}, attributes=attributes)
+    elif session.follows and attributes.pop(_POSE, None):  # a renderer that was placed once has a pose for ever
+        restirpg.write_exr(file, _layers(pane.renderer), attributes=attributes)
+
+
+def _layers(renderer):
+    """The outputs that are images, as Renderer.save names them."""
+    images = {}
+    for name in renderer.output_names:
+        with contextlib.suppress(restirpg.WrongValueError):  # it is no image
+            images[name if images else ""] = renderer.output(name)
+    return images
 
 
 def _exr(session, pane):

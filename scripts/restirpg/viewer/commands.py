@@ -10,7 +10,7 @@ from restirpg.harness import UserError
 from . import camera
 from .film import Film
 from .reference import SOURCES
-from .values import as_finite, as_number
+from .values import as_finite, as_number, as_triple
 
 VIEWS = ("image", "difference", "error")
 
@@ -46,6 +46,11 @@ def do_zoom(session, factor):
     session.move(camera.zoom(session.camera, as_number(factor, 0.1, 10)))
 
 
+def do_fov(session, yfov):
+    """The vertical field of view, radians."""
+    session.move(camera.with_fov(session.camera, float(as_finite(yfov))))
+
+
 def do_focus(session, x, y):
     """Orbit about what the pixel shows: the target goes to its depth."""
     depth = session.inspector.geometry(x, y)["depth"]
@@ -55,17 +60,14 @@ def do_focus(session, x, y):
 
 def do_pose(session, position, target, up, yfov):
     """A camera as the page copied it."""
-    pose = {"position": position, "target": target, "up": up, "yfov": float(as_finite(yfov))}
-    for name in ("position", "target", "up"):
-        if not isinstance(pose[name], list) or len(pose[name]) != 3:
-            raise UserError(f"{name} is not three numbers")
-        pose[name] = [float(as_finite(value)) for value in pose[name]]
-    session.move(pose)
+    vectors = {"position": position, "target": target, "up": up}
+    pose = {name: as_triple(vector, name) for name, vector in vectors.items()}
+    session.move({**pose, "yfov": float(as_finite(yfov))})
 
 
 def do_home(session):
-    """The scene's own camera."""
-    session.move(session.home)
+    """The scene's own camera, also where it goes as the animation goes on."""
+    session.follow()
 
 
 def do_camera(session, number):
@@ -73,7 +75,7 @@ def do_camera(session, number):
     cameras = session.panes[0].renderer.scene_cameras()
     if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < len(cameras):
         raise UserError(f"there is no camera {number!r}; the scene has {len(cameras)}, counted from 0")
-    session.move({name: cameras[number][name] for name in ("position", "target", "up", "yfov")})
+    session.move(camera.of_scene(cameras[number]))
 
 
 def do_play(session, on):
@@ -149,8 +151,7 @@ def do_seed(session, value):
 
 def do_time(session, seconds):
     """Of the scene's animation."""
-    session.time = float(as_number(seconds, 0))
-    session.moved = session.stale = True
+    session.go_to(float(as_number(seconds, 0)))
 
 
 def do_speed(session, factor):

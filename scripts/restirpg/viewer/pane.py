@@ -45,8 +45,8 @@ class Pane:
         for name, value in changed.items():
             renderer.set(name, value)
         if hasattr(self, "renderer"):
-            renderer.move_camera(**self.renderer.camera)
             renderer.seed = self.renderer.seed
+        self.placed = False  # the renderer has a pose in place of the scene's camera
         self.renderer, self.description, self.changed, self._initial = renderer, description, changed, initial
         self.ports = graphs.image_ports(description)
         self.frame_ports = graphs.frame_ports(description)
@@ -56,6 +56,11 @@ class Pane:
     def rebuild(self):
         """build(), with the port that is shown."""
         self.build(self.port)
+
+    def place(self, pose):
+        """Look from there."""
+        self.renderer.move_camera(**pose)
+        self.placed = True
 
     def forget(self):
         """Begin the viewer's own mean anew; the renderer's history stays. Until its next frame the graph `waits`."""

@@ -38,10 +38,12 @@ class Session:
         self.reference = Reference(scene, self.size, options, reference)
         self.film, self.filmed = None, None  # the film at hand; the folder of the last one that has ended
         self.panes = [Pane(scene, source, self.size, options) for source in sources]
-        self.home = self.camera = self.panes[0].renderer.camera
         self.playing, self.keep, self.exposure, self.view = True, False, 0.0, "image"
         self.seed = self.panes[0].renderer.seed
         self.time, self.speed = options.get("time", 0.0), 0.0
+        self.camera = self.panes[0].renderer.camera
+        self.follows = True  # the camera is the scene's own, and goes where that one goes
+        self._own = self._scene_cameras().index(self.camera)
         self.revision = 0  # of the state
         self.stale = True  # what was shown last is not what would be shown now
         self.seen = {}  # client: the last of its messages that the next frame() shows
@@ -60,12 +62,38 @@ class Session:
 
     def move(self, pose):
         """Look from another place, from the next frame on. Raises restirpg.Error where a renderer refuses the pose."""
-        renderer = self.panes[0].renderer
-        shown = renderer.camera
-        renderer.move_camera(**pose)
-        renderer.move_camera(**shown)
-        self.camera = pose
+        pane = self.panes[0]
+        shown = pane.renderer.camera
+        pane.place(pose)
+        pane.place(shown)
+        self._look_from(pose, follows=False)
+
+    def follow(self):
+        """Look from the scene's own camera, from the next frame on."""
+        self._look_from(self.home, follows=True)
+
+    def go_to(self, seconds):
+        """Another time of the scene's animation, from the next frame on."""
+        self.time = seconds
+        self._look_from(self.home if self.follows else self.camera, self.follows)
+
+    def _look_from(self, pose, follows):
+        if pose != self.camera:
+            self.revision += 1
+        self.camera, self.follows = pose, follows
         self.moved = self.stale = True
+
+    @property
+    def home(self):
+        """Where the scene's own camera is now."""
+        return self._scene_cameras()[self._own]
+
+    def _scene_cameras(self):
+        """Poses of the scene's cameras now."""
+        renderer = self.panes[0].renderer
+        if self.scene.duration > 0:
+            renderer.set_time(self.time)
+        return [camera.of_scene(entry) for entry in renderer.scene_cameras()]
 
     def pane(self, pane):
         """A graph, by its place."""
@@ -112,15 +140,16 @@ class Session:
         return min(max(0.0, self.time + self.speed / 30), self.scene.duration)
 
     def place(self, pane):
-        """Camera and scene time of a graph."""
-        pane.renderer.move_camera(**self.camera)
+        """Camera and scene time of a graph. A renderer that was never placed elsewhere follows the scene's own camera."""
+        if pane.placed or not self.follows:
+            pane.place(self.camera)
         if self.scene.duration > 0:
             pane.renderer.set_time(self.time)
 
     def render(self):
         """The next frame of every graph."""
         if self._next_time() != self.time:
-            self.time, self.moved = self._next_time(), True
+            self.go_to(self._next_time())
         if self.moved:
             for pane in self.panes:
                 self.place(pane)
@@ -295,7 +324,7 @@ class Session:
             "--seed",
             str(self.seed),
             *graphs.as_arguments(pane.settings),
-            camera.as_option(self.camera),
+            *([camera.as_option(self.camera)] if pane.placed else []),
             *(["--time", f"{self.time:.9g}"] if self.time else []),  # all digits of a float
             *(["--output", pane.port] if pane.port else []),
             *self._own_arguments,

@@ -2,6 +2,7 @@
 
 import json
 import math
+import numbers
 import sys
 
 from restirpg.harness import UserError
@@ -9,9 +10,20 @@ from restirpg.harness import UserError
 
 def as_finite(value):
     """The number, which a float can hold."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max:
+    if isinstance(value, bool) or not isinstance(value, numbers.Real) or not abs(value) <= sys.float_info.max:
         raise UserError(f"{value!r} is no number")
     return value
+
+
+def as_triple(value, name):
+    """A list of three floats, of any sequence of three numbers."""
+    try:
+        triple = [float(as_finite(part)) for part in value]
+    except TypeError:
+        triple = []
+    if len(triple) != 3:
+        raise UserError(f"{name} is not three numbers")
+    return triple
 
 
 def as_number(value, low=-1e6, high=1e6):

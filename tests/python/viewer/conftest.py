@@ -1,5 +1,7 @@
 """Sessions of the viewer that tests use."""
 
+import json
+
 import pytest
 from renderer_scenes import GRAPH, make_renderer, restirpg, write_flying_panel
 from viewer_sessions import SIZE
@@ -25,6 +27,17 @@ def shared(scene, reference):
 def flying(tmp_path_factory):
     """A scene that its panel fills at 0 s and has left at 1 s."""
     return restirpg.load_scene(write_flying_panel(tmp_path_factory.mktemp("flying") / "panel.gltf"))
+
+
+@pytest.fixture(scope="module")
+def passing(tmp_path_factory):
+    """A scene whose camera sees its panel at 0 s and has left it at 1 s."""
+    file = write_flying_panel(tmp_path_factory.mktemp("passing") / "panel.gltf")
+    description = json.loads(file.read_text())
+    description["nodes"][0]["translation"] = [0, 0, -5]
+    description["animations"][0]["channels"][0]["target"]["node"] = 1
+    file.write_text(json.dumps(description))
+    return restirpg.load_scene(file)
 
 
 @pytest.fixture

@@ -56,6 +56,25 @@ def test_the_command_line_is_of_the_animation_as_it_is_now(flying, tmp_path):
     assert rendered_by_command(session, 0, tmp_path / "out.exr").tobytes() == picture.tobytes()
 
 
+def test_a_file_of_the_scenes_own_camera_says_of_no_other(passing, tmp_path):
+    def header():
+        exr = tmp_path / "capture.exr"
+        exr.write_bytes(capture.make(session, "outputs.exr", "0")[0])
+        np.testing.assert_array_equal(restirpg.read_exr(exr), images(session)[0])
+        np.testing.assert_array_equal(restirpg.read_exr(exr, "frame"), session.panes[0].renderer.output("frame"))
+        return restirpg.read_exr_attributes(exr)
+
+    session = Session(passing, [GRAPH], SIZE, validation=True, outputs=["frame", "surface"])
+    session.apply({"do": "time", "seconds": 0.05})
+    session.render()
+    assert "restirpg.pose" not in header()
+    assert rendered_by_command(session, 0, tmp_path / "out.exr").tobytes() == images(session)[0].tobytes()
+    session.apply({"do": "orbit", "x": 0.1, "y": 0.0})
+    assert "restirpg.pose" in header()
+    session.apply({"do": "home"})
+    assert "restirpg.pose" not in header() and header()["restirpg.time"] == "0.05"
+
+
 def write_sky(file):
     """A sky that is bluer above. Returns the file's name."""
     restirpg.write_exr(file, {"": np.linspace((1, 2, 4), (1, 1, 1), 8).repeat(16, 0).reshape(8, 16, 3)})

@@ -212,6 +212,9 @@ def test_a_pose_is_taken_as_it_is(scene_file, tmp_path):
         ({"do": "pose", "position": [1e30, 0, 0], "target": [0, 1, 0], "up": [0, 1, 0], "yfov": 1}, "nearer to 0"),
         ({"do": "pose", "position": [0, 0, 0], "target": [0, 0, 1], "up": [0, 1, 0], "yfov": 3.2}, "no pinhole camera"),
         ({"do": "pose", "position": [0, 0, 0], "target": [0, 0, 1], "up": [0, 1, 0], "yfov": 10**400}, "no number"),
+        ({"do": "pose", "position": "123", "target": [0, 0, 1], "up": [0, 1, 0], "yfov": 1}, "no number"),
+        ({"do": "pose", "position": [0, 0], "target": [0, 0, 1], "up": [0, 1, 0], "yfov": 1}, "not three numbers"),
+        ({"do": "fov", "yfov": None}, "no number"),
         ({"do": "camera", "number": 1}, "the scene has 1"),
         ({"do": "reference", "source": "../x"}, "no reference"),
         ({"do": "film", "frames": 3, "kind": "png"}, "--captures"),
@@ -279,6 +282,63 @@ def test_an_animation_stops_where_it_ends(flying, scene):
     for _ in range(2):
         still.render()
     assert (still.time, still.panes[0].frames) == (0, 2)  # nothing moves in this scene
+
+
+def test_the_scenes_camera_moves_until_the_user_moves_it(passing):
+    session = Session(passing, [GRAPH, GRAPH], SIZE, validation=True)
+    session.render()
+    start, revision = session.camera, session.revision
+    assert images(session)[0].any()
+    session.apply({"do": "speed", "factor": 30})
+    session.render()
+    assert session.time == 1 and not images(session)[0].any()
+    assert session.camera["position"] == [100, 0, 0] and session.state()["camera"] == session.camera
+    assert session.revision > revision + 1  # the page is told
+    session.apply({"do": "speed", "factor": 0})
+    session.apply({"do": "pose", **start})
+    session.render()
+    assert session.camera == start and images(session)[0].any()
+    session.apply({"do": "time", "seconds": 0.5})
+    session.render()
+    assert session.camera == start  # a pose of the user's stays
+    session.apply({"do": "home"})
+    session.render()
+    assert session.camera["position"] == [50, 0, 0] and session.panes[1].renderer.camera == session.camera
+    session.apply({"do": "time", "seconds": 1})
+    session.render()
+    assert session.camera["position"] == [100, 0, 0] and session.panes[1].renderer.camera == session.camera
+
+
+def test_a_moving_camera_is_at_home_in_its_reference_at_0_s(passing):
+    truth = np.ones((*SIZE, 3), np.float32)
+    session = Session(passing, [GRAPH], SIZE, truth, validation=True)
+    session.render()
+    assert session.truth() is not None
+    session.apply({"do": "time", "seconds": 1})
+    session.render()
+    assert session.truth() is None
+    session.apply({"do": "time", "seconds": 0})
+    session.render()
+    assert session.truth() is not None
+
+
+def test_the_field_of_view_is_set_alone(session):
+    session.apply({"do": "orbit", "x": 0.1, "y": 0.2})
+    moved = session.camera
+    session.apply({"do": "fov", "yfov": 0.5})
+    assert session.camera == {**moved, "yfov": 0.5}
+    session.apply({"do": "fov", "yfov": 7})
+    assert 2.6 < session.camera["yfov"] < np.pi
+    session.render()
+
+
+@pytest.mark.parametrize("kind", [tuple, np.array, lambda values: np.array(values, np.float32)])
+def test_a_pose_is_of_any_three_numbers(session, kind):
+    pose = {"position": kind([0.0, 1.0, 5.0]), "target": kind([0.0, 1.0, 0.0]), "up": kind([0.0, 1.0, 0.0])}
+    session.apply({"do": "pose", **pose, "yfov": np.float32(0.5)})
+    assert session.camera == {"position": [0, 1, 5], "target": [0, 1, 0], "up": [0, 1, 0], "yfov": 0.5}
+    session.frame()
+    json.dumps(session.state())
 
 
 def test_a_port_that_nobody_reads_is_shown_at_the_time_of_the_scene(flying):
