@@ -120,7 +120,7 @@ def warnings_of(file, header, settings, environment_hash, caps, filters):
         if own != wanted:
             told.append(f"{words} {own}, for the methods it is {wanted}")
     lines = [f"{file}: {words}: the difference counts as error" for words in told]
-    cap, jitter = (_largest(header, knob) for knob in ("bounces", "jitter"))
+    cap, jitter = (mean_of(header).get(knob) for knob in ("bounces", "jitter"))
     for label, own in caps.items():
         if None not in (own, cap) and own != cap:
             lines.append(
@@ -134,6 +134,12 @@ def warnings_of(file, header, settings, environment_hash, caps, filters):
                 f"the difference counts as error; @gbuffer.jitter={json.dumps(jitter)} sets it"
             )
     return lines
+
+
+def mean_of(header):
+    """{knob: value} of what the mean picture depends on, bounce cap and pixel filter, as far as the header says."""
+    found = {knob: _largest(header, knob) for knob in ("bounces", "jitter")}
+    return {knob: value for knob, value in found.items() if value is not None}
 
 
 def _largest(header, knob):

@@ -107,12 +107,16 @@ def do_exposure(session, stops):
     session.exposure, session.stale = float(as_number(stops, -20, 20)), True
 
 
-def do_view(session, name):
-    """The pictures, their difference, or their errors against the reference."""
+def do_view(session, name, left=0, right=1):
+    """The pictures, the difference of two, by their graphs' places, or their errors against the reference."""
     if name not in VIEWS:
         raise UserError(f"there is no view {name!r}")
-    if name == "difference" and len(session.panes) < 2:
-        raise UserError("a difference takes two graphs; give two on the command line")
+    if name == "difference":
+        if len(session.panes) < 2:
+            raise UserError("a difference takes two graphs; give two on the command line")
+        for side in (left, right):
+            session.pane(side)
+        session.sides = left, right
     if name == "error" and session.reference.source == "none":
         raise UserError("errors take a reference; have one traced, or give one with --reference")
     session.view, session.stale = name, True

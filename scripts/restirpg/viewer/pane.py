@@ -77,22 +77,28 @@ class Pane:
     @property
     def bounces(self):
         """The bounce cap, or None where no pass has one."""
-        return self._first("bounces")
+        return self.mean_of.get("bounces")
 
     @property
     def mean_of(self):
-        """{knob: value} of what the mean picture depends on: the bounce cap and the pixel filter."""
-        found = {name: self._first(name) for name in ("bounces", "jitter")}
-        return {name: value for name, value in found.items() if value is not None}
-
-    def _first(self, knob):
-        """The value of the first pass with that knob, or None."""
-        return next((own[knob] for own in self.renderer.knobs().values() if knob in own), None)
+        """See graphs.mean_of."""
+        return graphs.mean_of(self.renderer.knobs())
 
     @property
     def name(self):
         """The graph's name."""
         return self.description["name"]
+
+    @property
+    def label(self):
+        """What is written on what it shows: its name, and the port where it shows one."""
+        return f"{self.name}: {self.port}" if self.port else self.name
+
+    @property
+    def channels(self):
+        """Of the picture."""
+        picture = self.description["outputs"][0]
+        return self.ports[f"{picture['pass']}.{picture['output']}"]
 
     def panel(self):
         """Knobs by pass, with declarations, values and the values that the graph gives."""

@@ -3,6 +3,8 @@ tracer that is rendered beside the graphs while the camera rests."""
 
 import restirpg
 
+from . import graphs
+
 SOURCES = ("none", "file", "traced")
 MOST_FRAMES = 1 << 16  # of the path tracer
 _SEED = 0x5EED5EED  # not one that graphs in view are likely to have: their noise is independent of the reference's
@@ -15,10 +17,21 @@ _KEPT = (
 )  # of a graph's options, what the picture's mean depends on
 
 
-class Reference:
-    """image: float32 (H, W, 3) of the scene's own camera, or None."""
+#: Why there is no image.
+_ABSENCE = {
+    "none": "there is no reference",
+    "file": "the reference shows the scene's own camera at 0 s",
+    "traced": "no frame of the reference is traced yet",
+}
+_MEAN_OF = {"bounces": "bounce cap", "jitter": "pixel filter (jitter)"}
 
-    def __init__(self, scene, size, options, image=None):
+
+class Reference:
+    """image: float32 (H, W, 3) of the scene's own camera, or None. mean_of: as graphs.mean_of has it, as far as it is known
+    of that image."""
+
+    def __init__(self, scene, size, options, image=None, mean_of=None):
+        self._mean_of = mean_of or {}
         self.image, self.source = image, "none" if image is None else "file"
         self._scene, self._size = scene, size
         self._options = {name: options[name] for name in _KEPT if name in options}
@@ -35,6 +48,23 @@ class Reference:
             graph = restirpg.load_graph(restirpg.GRAPHS / "path_tracer.py")
             self._renderer = restirpg.Renderer(self._scene, graph, size=self._size, seed=_SEED, **self._options)
         self.source, self._view = source, None
+
+    @property
+    def mean_of(self):
+        """See graphs.mean_of; as far as it is known."""
+        return graphs.mean_of(self._renderer.knobs()) if self.source == "traced" else self._mean_of
+
+    def refusal(self, pane, truth):
+        """Why the errors of a graph's picture are not measured against `truth`, of of(); None: they are."""
+        if truth is None:
+            return _ABSENCE[self.source]
+        if pane.channels != truth.shape[2]:
+            return f"its picture has not the reference's {truth.shape[2]} channels"
+        for knob, words in _MEAN_OF.items():
+            own, theirs = pane.mean_of.get(knob), self.mean_of.get(knob)
+            if None not in (own, theirs) and own != theirs:
+                return f"its {words} is {str(own).lower()}, that of the reference is {str(theirs).lower()}"
+        return None
 
     def reload(self):
         """Read the path tracer and its shaders anew, if it was made: its mean begins anew."""

@@ -30,15 +30,27 @@ class Frame:
 class Session:
     """One scene, one camera, and up to a few graphs that render it in step."""
 
-    def __init__(self, scene, sources, size, reference=None, captures=None, allow_outside=False, **options):
+    def __init__(
+        self,
+        scene,
+        sources,
+        size,
+        reference=None,
+        captures=None,
+        allow_outside=False,
+        reference_mean_of=None,
+        **options,
+    ):
         """sources: graph files, restirpg.Graph or descriptions. reference: an image (H, W, 3) of the scene's own
-        camera. captures: the folder where films are put. allow_outside: with which the scene was loaded."""
+        camera; reference_mean_of: see Reference. captures: the folder where films are put. allow_outside: with which the
+        scene was loaded."""
         self.scene, self.size, self.captures = scene, tuple(size), captures
         self._own_arguments = _as_arguments(scene, options, allow_outside)
-        self.reference = Reference(scene, self.size, options, reference)
+        self.reference = Reference(scene, self.size, options, reference, reference_mean_of)
         self.film, self.filmed = None, None  # the film at hand; the folder of the last one that has ended
         self.panes = [Pane(scene, source, self.size, options) for source in sources]
         self.playing, self.keep, self.exposure, self.view = True, False, 0.0, "image"
+        self.sides = (0, 1)  # the graphs of the difference, by their places
         self.seed = self.panes[0].renderer.seed
         self.time, self.speed = options.get("time", 0.0), 0.0
         self.camera = self.panes[0].renderer.camera
@@ -204,37 +216,38 @@ class Session:
             self.render()
 
     def errors(self):
-        """MAPE of each picture against the reference; None where there is none, it shows another view or is not of the
-        picture's bounce cap and pixel filter, or the picture has not its channels."""
+        """MAPE of each picture against the reference; None where it is refused, see Reference.refusal()."""
         truth = self.truth()
-        if truth is None:
-            return [None] * len(self.panes)
-        return [self._error(pane, truth) for pane in self.panes]
-
-    def _error(self, pane, truth):
-        image = pane.picture()
-        if image.shape != truth.shape or self.reference.source == "traced" and pane.mean_of != self._mean_of:
-            return None
-        return restirpg.measure_errors(image, truth)["mape"]
+        return [
+            None if self.reference.refusal(pane, truth) else restirpg.measure_errors(pane.picture(), truth)["mape"]
+            for pane in self.panes
+        ]
 
     def truth(self):
         """The reference of this view, or None."""
         return self.reference.of(*self._view(), not self.time and camera.same(self.camera, self.home))
 
     def _shown(self):
-        """8-bit pictures, left to right."""
+        """(label, 8-bit picture) of each, left to right."""
         if self.view == "difference":
-            first, second = (pane.picture() for pane in self.panes[:2])
-            return [pictures.heat(pictures.relative_difference(second, first), 2.0**-self.exposure)]
-        if self.view == "error" and (truth := self.truth()) is not None:
-            return [self._error_pixels(pane, truth) for pane in self.panes]
-        return [self.pixels(pane) for pane in self.panes]
+            return [self._difference_shown()]
+        if self.view == "error":
+            truth = self.truth()
+            return [self._error_shown(pane, truth) for pane in self.panes]
+        return [(pane.label, self.pixels(pane)) for pane in self.panes]
 
-    def _error_pixels(self, pane, truth):
-        """A graph's errors; its picture where it has none, see errors()."""
-        image = pane.picture()
-        if image.shape != truth.shape:
-            return self.pixels(pane)
+    def _difference_shown(self):
+        left, right = (self.panes[side] for side in self.sides)
+        names = [f"{side + 1} {self.panes[side].name}" for side in self.sides]
+        return f"difference of {names[1]} from {names[0]}", self._heat(right.picture(), left.picture())
+
+    def _error_shown(self, pane, truth):
+        """A graph's errors; what it shows besides where they are refused."""
+        if why := self.reference.refusal(pane, truth):
+            return f"{pane.label}, no error: {why}", self.pixels(pane)
+        return f"{pane.name}: error", self._heat(pane.picture(), truth)
+
+    def _heat(self, image, truth):
         return pictures.heat(pictures.relative_difference(image, truth), 2.0**-self.exposure)
 
     def pixels(self, pane):
@@ -247,7 +260,8 @@ class Session:
         """The Frame to show."""
         self.settle()
         start = time.perf_counter()
-        images = [pictures.jpeg(pixels) for pixels in self._shown()]
+        shown, truth = self._shown(), self.truth()
+        images = [pictures.jpeg(pixels) for _, pixels in shown]
         panes = [
             {
                 "frames": pane.frames,
@@ -255,6 +269,7 @@ class Session:
                 "passes": pane.renderer.gpu_times(),
                 "memory": sum(pane.renderer.memory().values()),
                 "mape": error,
+                "no_error": self.reference.refusal(pane, truth),
                 "command": self._command(pane),
             }
             for pane, error in zip(self.panes, self.errors())
@@ -263,7 +278,9 @@ class Session:
             "panes": panes,
             "seen": dict(self.seen),
             "time": self.time,
+            "labels": [label for label, _ in shown],
             "sizes": [len(image) for image in images],
+            "reference": self.reference.source,
             "reference_frames": self.reference.frames,
             "view_milliseconds": 1000 * (time.perf_counter() - start),
         }

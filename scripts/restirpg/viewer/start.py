@@ -117,7 +117,7 @@ def view(
         raise UserError(f"give 1 to {MOST_GRAPHS} graphs, not {len(sources)}")
     if from_file := isinstance(scene, (str, Path)):
         scene = restirpg.load_scene(scene, allow_outside=allow_outside)
-    image = None
+    image, header = None, {}
     if reference is not None:
         image = np.asarray(restirpg.read_exr(reference), np.float32)
         if image.shape[:2] != (size[1], size[0]):
@@ -133,7 +133,8 @@ def view(
         )
         for line in given_reference.warnings_of(reference, header, asked, scene.environment_hash, {}, {}):
             print(f"warning: {line}", file=sys.stderr)
-    session = Session(scene, sources, size, image, captures, allow_outside, **options)
+    mean_of = given_reference.mean_of(header)
+    session = Session(scene, sources, size, image, captures, allow_outside, mean_of, **options)
     if pose is not None:
         session.apply({"do": "pose", **pose})
     return Viewer(session, port, Watch([pane.file for pane in session.panes if pane.file]))

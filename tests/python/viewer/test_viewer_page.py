@@ -118,6 +118,43 @@ def test_a_reference_is_traced_and_errors_are_plotted(browser):
     browser.wait("page.state.reference === 'none' && page.panel.chart.hidden")
 
 
+def test_the_lines_of_errors_begin_anew_with_another_reference(browser):
+    lengths = browser.run(
+        "const panel = page.panel, panes = page.header.panes.map(pane => ({ ...pane, frames: 7, mape: 0.5 }));"
+        "const lengths = ['traced', 'traced', 'file'].map((reference, i) => {"
+        "    panes.forEach(pane => { pane.frames += 1; });"
+        "    panel.showFrame({ ...page.header, panes, reference });"
+        "    return panel.errors[0].length; });"
+        "panel.showFrame({ ...page.header, reference: 'none' }); return lengths"
+    )
+    assert lengths == [1, 2, 1]
+
+
+def test_the_label_and_the_summary_say_why_there_is_no_error(browser):
+    browser.run("page.send('reference', { source: 'traced' }); page.send('view', { name: 'error' })")
+    browser.wait("page.header.labels[0].endsWith(': error')")
+    browser.wait("document.querySelector('.pane .left').textContent.endsWith(': error')")
+    why = "no error: its bounce cap is 0, that of the reference is 8"
+    browser.wait(f"page.panel.panes[1].summary.textContent.includes({json.dumps(why)})")
+    browser.wait(f"document.querySelector('.pane .right').textContent.includes({json.dumps(why)})")
+    browser.run("page.send('reference', { source: 'none' })")
+    browser.wait("page.header.reference === 'none' && !page.panel.panes[1].summary.textContent.includes('no error')")
+
+
+def test_a_difference_is_of_the_graphs_that_are_chosen(browser):
+    sent = browser.run(
+        "const sent = [], send = page.send, look = { ...page.stage.look }; page.send = (...message) => sent.push(message);"
+        "const choose = (id, value) => { const chosen = document.querySelector(id);"
+        "    chosen.value = value; chosen.dispatchEvent(new Event('change')); };"
+        "choose('#a', 1); choose('#view', 'difference'); page.state.view = 'difference'; choose('#b', 0);"
+        "page.send = send; page.state.view = 'image'; page.stage.set(look); choose('#view', 'image'); return sent"
+    )
+    assert sent == [
+        ["view", {"name": "difference", "left": 1, "right": 1}],
+        ["view", {"name": "difference", "left": 1, "right": 0}],
+    ]
+
+
 def test_a_film_is_recorded(browser, graph_file):
     browser.run("document.querySelector('#length').value = 2; document.querySelector('#film').click()")
     browser.wait("document.querySelector('#messages').textContent.includes('the film is in')")

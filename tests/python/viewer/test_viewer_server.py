@@ -337,6 +337,16 @@ def test_a_reference_that_shows_something_else_is_told(scene, scene_file, tmp_pa
     assert told(scene, sceneHash=scene.hash, camera="1") == []  # of which it may be the camera
 
 
+def test_a_reference_of_another_bounce_cap_measures_nothing(scene, tmp_path):
+    renderer = restirpg.Renderer(scene, restirpg.load_graph(GRAPH), size=SIZE, seed=9, validation=True)
+    renderer.set("paths.bounces", 2)
+    renderer.render(1)
+    renderer.save(tmp_path / "truth.exr")
+    with restirpg.view(GRAPH, scene, SIZE, reference=tmp_path / "truth.exr", validation=True) as own:
+        (pane,) = own.rendering.submit(own.session.frame).result(SECONDS).header["panes"]
+    assert pane["mape"] is None and pane["no_error"] == "its bounce cap is 8, that of the reference is 2"
+
+
 @pytest.mark.parametrize(
     "options, words",
     [

@@ -130,11 +130,68 @@ def test_errors_are_those_against_the_reference_while_the_camera_is_at_home(sess
 
 def test_the_difference_of_equal_pictures_is_black(session):
     session.apply({"do": "view", "name": "difference"})
-    (black,) = session._shown()
-    assert not black.any()
+    ((label, black),) = session._shown()
+    assert not black.any() and label == "difference of 2 Path tracer from 1 Path tracer"
     session.apply({"do": "set", "pane": 1, "knob": "paths.bounces", "value": 0})
     session.render()
-    assert session._shown()[0].any()
+    assert session._shown()[0][1].any()
+
+
+def test_a_difference_is_of_the_graphs_that_are_chosen(scene):
+    session = Session(scene, [GRAPH, GRAPH, GRAPH.with_name("restir_pt.py")], SIZE, validation=True)
+    session.apply({"do": "view", "name": "difference", "left": 2, "right": 1})
+    session.render()
+    pictures_now = images(session)
+    header = session.frame().header
+    assert header["labels"] == ["difference of 2 Path tracer from 3 ReSTIR PT"] and len(header["sizes"]) == 1
+    expected = pictures.heat(pictures.relative_difference(pictures_now[1], pictures_now[2]), 1.0)
+    np.testing.assert_array_equal(session._shown()[0][1], expected)
+    with pytest.raises(UserError, match="no graph 3"):
+        session.apply({"do": "view", "name": "difference", "left": 0, "right": 3})
+
+
+def test_the_label_says_what_the_error_view_shows(session):
+    """The number and the map are refused together."""
+    session.apply({"do": "show", "pane": 1, "port": "gbuffer.normal"})
+    session.apply({"do": "view", "name": "error"})
+    header = session.frame().header
+    assert header["labels"] == ["Path tracer: error"] * 2 and header["reference"] == "file"
+    assert [pane["no_error"] for pane in header["panes"]] == [None, None]
+    session.apply({"do": "orbit", "x": 0.1, "y": 0.0})
+    header, why = session.frame().header, "the reference shows the scene's own camera at 0 s"
+    assert header["labels"] == [f"Path tracer, no error: {why}", f"Path tracer: gbuffer.normal, no error: {why}"]
+    assert [(pane["mape"], pane["no_error"]) for pane in header["panes"]] == [(None, why)] * 2
+    session.apply({"do": "view", "name": "image"})
+    assert session.frame().header["labels"] == ["Path tracer", "Path tracer: gbuffer.normal"]
+
+
+def test_a_graph_of_another_bounce_cap_than_the_references_has_no_error_map(session):
+    session.apply({"do": "reference", "source": "traced"})
+    session.apply({"do": "set", "pane": 1, "knob": "paths.bounces", "value": 1})
+    session.render()
+    session.trace_reference()
+    session.apply({"do": "view", "name": "error"})
+    assert (
+        session.frame().header["labels"][1] == "Path tracer, no error: its bounce cap is 1, that of the reference is 8"
+    )
+    np.testing.assert_array_equal(session._shown()[1][1], session.pixels(session.panes[1]))
+
+
+@pytest.mark.parametrize(
+    "known, whys",
+    [
+        ({"bounces": 8, "jitter": True}, [None, None]),
+        ({"bounces": 3}, ["its bounce cap is 8, that of the reference is 3", None]),
+        ({"jitter": False}, ["its pixel filter (jitter) is true, that of the reference is false"] * 2),
+        ({}, [None, None]),
+    ],
+)
+def test_a_file_of_another_bounce_cap_or_pixel_filter_measures_nothing(scene, reference, known, whys):
+    session = Session(scene, [GRAPH, GRAPH], SIZE, reference, reference_mean_of=known, validation=True)
+    session.apply({"do": "set", "pane": 1, "knob": "paths.bounces", "value": known.get("bounces", 8)})
+    panes = session.frame().header["panes"]
+    assert [pane["no_error"] for pane in panes] == whys
+    assert [pane["mape"] is None for pane in panes] == [why is not None for why in whys]
 
 
 def test_any_image_port_is_shown_also_one_that_nobody_reads(session):
@@ -249,7 +306,7 @@ def test_a_reference_is_traced_while_the_view_rests(session):
     assert session.frame().header["reference_frames"] == 1 and session.truth().mean() < truth.mean()
     assert session.errors()[0] is not None and session.errors()[1] is None  # whose cap is another
     session.apply({"do": "view", "name": "error"})
-    assert session._shown()[0].any()
+    assert session._shown()[0][1].any()
     session.apply({"do": "reference", "source": "none"})
     assert session.view == "image" and session.errors() == [None, None] and not session.trace_reference()
 
@@ -375,11 +432,11 @@ def test_a_picture_of_one_channel_has_no_error_and_is_shown(scene):
     session.apply({"do": "view", "name": "error"})
     assert [error is None for error in session.errors()] == [True, False, True]
     assert len(session.frame().images) == 3
-    np.testing.assert_array_equal(session._shown()[0], session.pixels(session.panes[0]))
+    np.testing.assert_array_equal(session._shown()[0][1], session.pixels(session.panes[0]))
 
 
 def test_depths_have_a_difference(scene):
     session = Session(scene, [depth_graph(), depth_graph()], SIZE, validation=True)
     session.apply({"do": "view", "name": "difference"})
     session.render()
-    assert len(session.frame().images) == 1 and not session._shown()[0].any()
+    assert len(session.frame().images) == 1 and not session._shown()[0][1].any()

@@ -96,14 +96,18 @@ export class Panel {
     }
 
     showFrame(header) {
-        header.panes.forEach((pane, i) => this.showTimes(this.panes?.[i], pane));
+        if (header.reference !== this.reference) {  // whose errors are others
+            this.reference = header.reference;
+            this.errors.forEach(line => { line.length = 0; });
+        }
+        header.panes.forEach((pane, i) => this.showTimes(this.panes?.[i], pane, header.reference !== "none"));
         this.addErrors(header.panes);
     }
 
-    showTimes(built, pane) {
+    showTimes(built, pane, measured) {
         if (!built)
             return;
-        const mape = pane.mape === null ? "" : `, MAPE ${(100 * pane.mape).toFixed(2)}%`;
+        const mape = pane.mape !== null ? `, MAPE ${(100 * pane.mape).toFixed(2)}%` : measured ? `, no error: ${pane.no_error}` : "";
         built.summary.textContent = `${pane.frames} frames, ${pane.milliseconds.toFixed(1)} ms each, ${bytes(pane.memory)}${mape}`;
         const most = Math.max(...Object.values(pane.passes), 1e-9);
         built.times.replaceChildren(...Object.entries(pane.passes).map(([name, time]) => element("tr", {},

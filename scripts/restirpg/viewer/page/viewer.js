@@ -12,15 +12,15 @@ class Stage {
     constructor(page) {
         this.page = page;
         this.images = [];
-        this.names = [];
+        this.labels = [];
         this.look = { mode: "split", a: 0, b: 1, split: 0.5, second: false, zoom: 1, x: 0, y: 0 };
         new ResizeObserver(() => this.draw()).observe($("stage"));
     }
 
     // Pictures that the next draw shows; one for each graph, or their one difference.
-    show(images) {
+    show(images, labels) {
         this.images.forEach(image => image.close());
-        this.images = images;
+        Object.assign(this, { images, labels });
         this.draw();
     }
 
@@ -85,8 +85,8 @@ class Stage {
             context.fillStyle = "#fff";
             context.fillRect(s.split * across - devicePixelRatio, 0, 2 * devicePixelRatio, down);
         }
-        pane.children[1].textContent = this.names[left] ?? "";
-        pane.children[2].textContent = splits ? this.names[right] ?? "" : "";
+        pane.children[1].textContent = this.labels[left];
+        pane.children[2].textContent = splits ? this.labels[right] : "";
         pane.children[2].hidden = !splits;
     }
 
@@ -218,7 +218,7 @@ class Page {
         const blobs = header.sizes.map(size => new Blob([new Uint8Array(data, at, (at += size, size))], { type: "image/jpeg" }));
         const images = await Promise.all(blobs.map(blob => createImageBitmap(blob)));
         if (images.length)
-            this.stage.show(images);
+            this.stage.show(images, header.labels);
         this.frames += 1;
         this.header = header;
         this.measure(header);
@@ -268,7 +268,7 @@ class Page {
         $("play").onclick = () => this.send("play", { on: !this.state.playing });
         for (const name of ["step", "restart", "home"])
             $(name).onclick = () => this.send(name);
-        $("view").onchange = event => this.send("view", { name: event.target.value });
+        $("view").onchange = event => this.sendView(event.target.value);
         $("exposure").oninput = event => this.send("exposure", { stops: Number(event.target.value) });
         $("keep").onchange = event => this.send("keep", { on: event.target.checked });
         $("fov").onchange = event => this.send("pose", { ...this.state.camera, yfov: Number(event.target.value) * Math.PI / 180 });
@@ -289,9 +289,18 @@ class Page {
             this.send("film", { frames: this.state.film ? 0 : Number($("length").value), kind: $("kind").value });
         };
         for (const side of ["a", "b"])
-            $(side).onchange = event => this.stage.set({ [side]: Number(event.target.value) });
+            $(side).onchange = event => {
+                this.stage.set({ [side]: Number(event.target.value) });
+                if (this.state.view === "difference")
+                    this.sendView("difference");
+            };
         for (const button of document.querySelectorAll("[data-mode]"))
             button.onclick = () => this.stage.set({ mode: button.dataset.mode });
+    }
+
+    // The view, with the graphs that a difference is of.
+    sendView(name) {
+        this.send("view", { name, left: this.stage.look.a, right: this.stage.look.b });
     }
 
     // The command line of the left picture as it is shown, if there is one.
@@ -327,7 +336,6 @@ class Page {
 
     showState() {
         const s = this.state, several = s.panes.length > 1;
-        this.stage.names = s.view === "difference" ? ["difference"] : s.panes.map(pane => pane.port ? `${pane.name}: ${pane.port}` : pane.name);
         document.title = s.panes.map(pane => pane.name).join(" | ");
         $("play").textContent = s.playing ? "pause" : "play";
         for (const [side, chosen] of [["a", this.stage.look.a], ["b", this.stage.look.b]]) {
