@@ -156,8 +156,9 @@ def _next_surface(depth, x, y):
     return at
 
 
-def products_at(points, scene, bounces):
-    """L_i cos of each point in each bin, normalised, (ROWS, COLUMNS). bounces: the cap of the paths from the eye."""
+def products_at(points, scene, bounces, seconds=0.0, **options):
+    """L_i cos of each point in each bin, normalised, (ROWS, COLUMNS). bounces: the cap of the paths from the eye. seconds: of
+    the scene's animation. options: further arguments of restirpg.Renderer."""
     if bounces == 0:  # they end at the points
         return [np.zeros((ROWS, COLUMNS)) for _ in points]
     g = restirpg.Graph("What a point sees")
@@ -165,7 +166,9 @@ def products_at(points, scene, bounces):
     paths = g.add("paths", "PathTracerGuided", surface=gbuffer.surface, direct=True)
     image = g.add("accumulate", "Accumulate", indirect=paths.radiance, history=restirpg.prev("accumulate.sums"))
     g.output("image", image.mean)
-    renderer = restirpg.Renderer(scene, g, size=(FACE, FACE), seed=2, bounces=bounces - 1)
+    renderer = restirpg.Renderer(scene, g, size=(FACE, FACE), seed=2, bounces=bounces - 1, **options)
+    if scene.duration > 0:
+        renderer.set_time(seconds)
     return [_product(point, renderer) for point in points]
 
 

@@ -12,9 +12,10 @@ from restirpg.harness import UserError, guiding
 from . import pictures
 
 _LARGER = 10  # pixels of a bin's side
+_KEPT = ("device", "backend", "validation", "energy_compensation")  # of a graph's options, what the product depends on
 
 
-def at_pixel(pane, probe, scene, pixel, with_product):
+def at_pixel(pane, probe, session, pixel, with_product):
     """{lobes: [(kappa, weight)], alpha, samples, side (m), age, maps: {name: PNG as base64}}. Raises UserError where
     the graph has no guide in the hash grid, or the pixel shows no surface."""
     from restirpg.harness import guide_maps  # matplotlib takes a second
@@ -27,7 +28,8 @@ def at_pixel(pane, probe, scene, pixel, with_product):
     (point,) = guide_maps.find_points(seen, grid, [pixel], pane.renderer.size)
     maps, told = {}, {"side": float(grid.side(guiding.level_of(point.key)))}
     if with_product:
-        maps["true product"] = guide_maps.products_at([point], scene, pane.bounces)[0]
+        kept = {name: session.options[name] for name in _KEPT if name in session.options}
+        maps["true product"] = guide_maps.products_at([point], session.scene, pane.bounces, session.time, **kept)[0]
     if found := guide.at(point):
         mixture, learnt = found
         maps["lobes"] = guide_maps.lobes_in(mixture, point)

@@ -10,13 +10,13 @@ from .values import as_number
 class Inspector:
     """Of one session."""
 
-    def __init__(self, session, options):
-        self._session, self._options, self._probe = session, options, None
+    def __init__(self, session):
+        self._session, self._probe = session, None
 
     def geometry(self, x, y):
         """Depth, normal, material and albedo of what a pixel shows."""
         x, y = self._pixel(x, y)
-        self._probe = self._probe or Probe(self._session.scene, self._session.size, self._options)
+        self._probe = self._probe or Probe(self._session.scene, self._session.size, self._session.options)
         return self._probe.at(self._session.camera, self._session.time, x, y)
 
     def reload(self):
@@ -50,4 +50,4 @@ class Inspector:
         chosen, (x, y) = self._session.pane(pane), self._pixel(x, y)
         self._session.settle()
         self.geometry(x, y)
-        return guide.at_pixel(chosen, self._probe, self._session.scene, (x, y), product is True)
+        return guide.at_pixel(chosen, self._probe, self._session, (x, y), product is True)

@@ -44,7 +44,7 @@ class Session:
         """sources: graph files, restirpg.Graph or descriptions. reference: an image (H, W, 3) of the scene's own
         camera; reference_mean_of: see Reference. captures: the folder where films are put. allow_outside: with which the
         scene was loaded."""
-        self.scene, self.size, self.captures = scene, tuple(size), captures
+        self.scene, self.size, self.captures, self.options = scene, tuple(size), captures, options
         self._own_arguments = _as_arguments(scene, options, allow_outside)
         self.reference = Reference(scene, self.size, options, reference, reference_mean_of)
         self.film, self.filmed = None, None  # the film at hand; the folder of the last one that has ended
@@ -62,7 +62,7 @@ class Session:
         self.steps = 0  # frames that are rendered while paused, besides those that a change asks for
         self.moved = False
         self._failed = False  # the frame that was rendered last; it is tried again after a change
-        self.inspector = Inspector(self, options)
+        self.inspector = Inspector(self)
 
     def apply(self, message, client=None):
         """Do what the page asks for. Raises UserError or restirpg.Error; all is as before then."""

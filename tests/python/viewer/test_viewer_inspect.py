@@ -106,6 +106,30 @@ def test_the_guide_at_a_pixel_is_that_of_the_harness(session, scene):
     assert sum(weight for _, weight in told["lobes"]) == pytest.approx(1, abs=0.01)
 
 
+def test_the_true_product_is_of_the_time_and_of_the_renderers_options(flying, monkeypatch):
+    made = []
+
+    class Recorded(restirpg.Renderer):
+        def __init__(self, *arguments, **options):
+            super().__init__(*arguments, **options)
+            made.append((options, self))
+
+        def set_time(self, seconds):
+            super().set_time(seconds)
+            self.seconds = seconds
+
+    options = {"device": 0, "energy_compensation": True, "validation": True, "outputs": ["frame"]}
+    session = Session(flying, [GRAPH.with_name("restir_pg.py")], SIZE, **options)
+    session.apply({"do": "time", "seconds": 0.01})
+    session.render()
+    monkeypatch.setattr(guide_maps.restirpg, "Renderer", Recorded, raising=False)
+    assert "true product" in session.inspector.guide(0, 16, 16, product=True)["maps"]
+    (product,) = [entry for entry in made if entry[0]["size"] == (guide_maps.FACE, guide_maps.FACE)]
+    assert product[1].seconds == 0.01
+    wanted = {"device": 0, "energy_compensation": True, "validation": True}
+    assert wanted.items() <= product[0].items() and "outputs" not in product[0]
+
+
 def test_the_guide_by_chains_is_told_too(scene):
     session = Session(scene, [GRAPH.with_name("raw_pt_alber2025.py")], SIZE, validation=True)
     for _ in range(FRAMES):
