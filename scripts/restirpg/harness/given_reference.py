@@ -120,7 +120,8 @@ def warnings_of(file, header, settings, environment_hash, caps, filters):
         if own != wanted:
             told.append(f"{words} {own}, for the methods it is {wanted}")
     lines = [f"{file}: {words}: the difference counts as error" for words in told]
-    cap, jitter = (mean_of(header).get(knob) for knob in ("bounces", "jitter"))
+    known = mean_of(header)
+    cap, jitter = known.get("bounces"), known.get("jitter")
     for label, own in caps.items():
         if None not in (own, cap) and own != cap:
             lines.append(

@@ -72,10 +72,10 @@ def do_home(session):
 
 def do_camera(session, number):
     """One of the scene's cameras, where it stands now."""
-    cameras = session.panes[0].renderer.scene_cameras()
+    cameras = session.scene_cameras()
     if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < len(cameras):
         raise UserError(f"there is no camera {number!r}; the scene has {len(cameras)}, counted from 0")
-    session.move(camera.of_scene(cameras[number]))
+    session.move(cameras[number])
 
 
 def do_play(session, on):

@@ -35,7 +35,7 @@ class Reference:
         self.image, self.source = image, "none" if image is None else "file"
         self._scene, self._size = scene, size
         self._options = {name: options[name] for name in _KEPT if name in options}
-        self._renderer, self._view = None, None
+        self._renderer, self._view, self._traced = None, None, None
 
     @property
     def frames(self):
@@ -87,6 +87,7 @@ class Reference:
                 self._renderer.set_everywhere(name, value)
             self._view = view
         self._renderer.render(1)
+        self._traced = None  # the mean, read when it is first asked for
         return True
 
     def of(self, pose, seconds, knobs, is_home):
@@ -94,5 +95,7 @@ class Reference:
         if self.source == "file":
             return self.image if is_home else None
         if self.source == "traced" and self.frames > 0 and self._view == (pose, seconds, knobs):
-            return self._renderer.output("image")
+            if self._traced is None:
+                self._traced = self._renderer.output("image")
+            return self._traced
         return None

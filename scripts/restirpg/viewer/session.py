@@ -55,7 +55,7 @@ class Session:
         self.time, self.speed = options.get("time", 0.0), 0.0
         self.camera = self.panes[0].renderer.camera
         self.follows = True  # the camera is the scene's own, and goes where that one goes
-        self._own = self._scene_cameras().index(self.camera)
+        self._own = self.scene_cameras().index(self.camera)
         self.revision = 0  # of the state
         self.stale = True  # what was shown last is not what would be shown now
         self.seen = {}  # client: the last of its messages that the next frame() shows
@@ -98,9 +98,9 @@ class Session:
     @property
     def home(self):
         """Where the scene's own camera is now."""
-        return self._scene_cameras()[self._own]
+        return self.scene_cameras()[self._own]
 
-    def _scene_cameras(self):
+    def scene_cameras(self):
         """Poses of the scene's cameras now."""
         renderer = self.panes[0].renderer
         if self.scene.duration > 0:

@@ -366,6 +366,15 @@ def test_the_scenes_camera_moves_until_the_user_moves_it(passing):
     assert session.camera["position"] == [100, 0, 0] and session.panes[1].renderer.camera == session.camera
 
 
+def test_a_camera_of_the_scene_is_taken_where_it_is_at_the_time_that_was_chosen(passing):
+    """Both commands may come between two frames."""
+    session = Session(passing, [GRAPH], SIZE, validation=True)
+    session.apply({"do": "time", "seconds": 0.5})
+    session.apply({"do": "camera", "number": 0})
+    session.render()
+    assert session.panes[0].renderer.camera["position"] == [50, 0, 0] and not session.follows
+
+
 def test_a_moving_camera_is_at_home_in_its_reference_at_0_s(passing):
     truth = np.ones((*SIZE, 3), np.float32)
     session = Session(passing, [GRAPH], SIZE, truth, validation=True)
