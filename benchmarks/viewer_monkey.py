@@ -31,9 +31,9 @@ VALUES = [
     "traced",
     "none",
 ]
-KEYS = {"orbit": "xy", "look": "xy", "pan": "xy", "fly": "xyz", "dolly": ["amount"], "zoom": ["factor"], "focus": "xy",
+KEYS = {"orbit": "xy", "look": "xy", "pan": "xy", "fly": "xyz", "dolly": ["amount"], "zoom": ["factor"], "fov": ["yfov"], "focus": "xy",
         "pose": ["position", "target", "up", "yfov"], "home": "", "camera": ["number"], "play": ["on"], "step": "", "restart": "",
-        "keep": ["on"], "exposure": ["stops"], "view": ["name"], "set": ["pane", "knob", "value"], "reset": ["pane"],
+        "keep": ["on"], "exposure": ["stops"], "view": ["name", "left", "right"], "set": ["pane", "knob", "value"], "reset": ["pane"],
         "show": ["pane", "port"], "seed": ["value"], "time": ["seconds"], "speed": ["factor"], "reference": ["source"],
         "film": ["frames", "kind"], "inspect": "xy", "visible": ["on"], "shown": "", "nothing": "a"}  # fmt: skip
 TAME = [

@@ -39,6 +39,7 @@ class Inspector:
         return {
             "x": x,
             "y": y,
+            "view_number": self._session.view_number,
             "geometry": geometry if geometry["depth"] > 0 else None,
             "panes": [pane.pixel(x, y) for pane in panes],
             "reservoirs": [reservoirs.at_pixel(pane, x, y) for pane in panes],
@@ -50,4 +51,5 @@ class Inspector:
         chosen, (x, y) = self._session.pane(pane), self._pixel(x, y)
         self._session.settle()
         self.geometry(x, y)
-        return guide.at_pixel(chosen, self._probe, self._session, (x, y), product is True)
+        told = guide.at_pixel(chosen, self._probe, self._session, (x, y), product is True)
+        return {**told, "pane": pane, "x": x, "y": y, "view_number": self._session.view_number}

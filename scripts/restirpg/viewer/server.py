@@ -23,6 +23,7 @@ PAGE = Path(__file__).parent / "page"
 _TYPES = {
     "": "text/html",
     "viewer.js": "text/javascript",
+    "controls.js": "text/javascript",
     "navigation.js": "text/javascript",
     "panel.js": "text/javascript",
     "viewer.css": "text/css",
@@ -175,7 +176,7 @@ class Server:
         except ValueError as error:
             self._note(client, error=f"not a message of the viewer's page: {error}")
             return
-        kind = message.get("do")
+        kind, number = message.get("do"), message.get("id")
         if kind in ("shown", "visible"):
             if kind == "shown":
                 client.ready = True
@@ -184,23 +185,23 @@ class Server:
                 client.visible = message.get("on") is True
             self._count_audience()
         elif kind == "inspect":
-            self._answer(
-                client, self.thread.submit(self._session.inspector.pixel, message.get("x"), message.get("y")), "pixel"
-            )
+            asked = (message.get(name) for name in ("x", "y"))
+            self._answer(client, number, self.thread.submit(self._session.inspector.pixel, *asked), "pixel")
         elif kind == "guide":
             asked = (message.get(name) for name in ("pane", "x", "y", "product"))
-            self._answer(client, self.thread.submit(self._session.inspector.guide, *asked), "guide")
+            self._answer(client, number, self.thread.submit(self._session.inspector.guide, *asked), "guide")
         else:
-            self._answer(client, self.thread.submit(self._session.apply, message, client.number))
+            self._answer(client, number, self.thread.submit(self._session.apply, message, client.number))
 
-    def _answer(self, client, future, name=None):
-        """Tell the tab the result of a call under `name`, or what went wrong."""
+    def _answer(self, client, number, future, name=None):
+        """Tell the tab the result of a call under `name`, or what went wrong. number: id of the message that is refused
+        then."""
 
         def finished(done):
             if done.cancelled():
                 return
             if error := done.exception():
-                self._note(client, error=message_of(error))
+                self._note(client, error=message_of(error), refused=number)
             elif name:
                 self._note(client, **{name: done.result()})
 

@@ -54,6 +54,7 @@ class Session:
         self.seed = self.panes[0].renderer.seed
         self.time, self.speed = options.get("time", 0.0), 0.0
         self.camera = self.panes[0].renderer.camera
+        self.view_number = 0  # how often camera or scene time have changed: what is told of a pixel is of one view
         self.follows = True  # the camera is the scene's own, and goes where that one goes
         self._own = self.scene_cameras().index(self.camera)
         self.revision = 0  # of the state
@@ -94,6 +95,7 @@ class Session:
             self.revision += 1
         self.camera, self.follows = pose, follows
         self.moved = self.stale = True
+        self.view_number += 1
 
     @property
     def home(self):
@@ -278,6 +280,7 @@ class Session:
             "panes": panes,
             "seen": dict(self.seen),
             "time": self.time,
+            "view_number": self.view_number,
             "labels": [label for label, _ in shown],
             "sizes": [len(image) for image in images],
             "reference": self.reference.source,
@@ -307,6 +310,7 @@ class Session:
             "scene": str(self.scene.file),
             "duration": self.scene.duration,
             "camera": self.camera,
+            "view_number": self.view_number,
             "call": camera.as_python(self.camera),
             "json": camera.as_json(self.camera),
             "cameras": [entry["name"] for entry in self.panes[0].renderer.scene_cameras()],
@@ -319,6 +323,7 @@ class Session:
             "speed": self.speed,
             "reference": self.reference.source,
             "has_file": self.reference.image is not None,
+            "seen": dict(self.seen),
             "films": self.captures is not None,
             "film": self.film and self.film.told(),
             "filmed": self.filmed,

@@ -7,6 +7,8 @@ import pytest
 from renderer_scenes import GRAPH, restirpg, write_flying_panel
 from webdriver import Browser
 
+from restirpg.viewer import reservoirs
+
 SIZE = (32, 18)
 EDITED = "graph.name = 'Edited'\n"
 
@@ -84,6 +86,98 @@ def test_an_emptied_number_changes_no_knob(browser):
     assert shown == [0, "8"] and state(browser, "panes[0].arguments") == before
 
 
+def test_a_refused_number_gives_way_to_the_one_that_holds(browser):
+    """Also in the control that has the focus."""
+    browser.run(
+        "const knob = window.knob = page.panel.panes[0].inputs.get('paths.bounces').input; knob.focus();"
+        "knob.value = 99999; knob.dispatchEvent(new Event('input', { bubbles: true }));"
+        "knob.dispatchEvent(new Event('change', { bubbles: true }))"
+    )
+    browser.wait("knob.value === '8' && document.querySelector('#messages').textContent.includes('bounces')")
+    assert browser.run("return document.activeElement === knob")
+
+
+def test_a_clamped_number_is_shown_as_it_holds(browser):
+    browser.run(
+        "const fov = document.querySelector('#fov'); fov.focus(); fov.value = 400;"
+        "for (const name of ['input', 'change']) fov.dispatchEvent(new Event(name, { bubbles: true }))"
+    )
+    browser.wait("document.querySelector('#fov').value === '150.0' && document.activeElement.id === 'fov'")
+    browser.run("page.send('home')")
+    browser.wait("document.querySelector('#fov').value !== '150.0'")
+
+
+def test_what_is_typed_stays_until_the_focus_goes(browser):
+    browser.run(
+        "const fov = document.querySelector('#fov'); fov.focus(); fov.value = 77;"
+        "fov.dispatchEvent(new Event('input', { bubbles: true })); page.send('exposure', { stops: 1 })"
+    )
+    browser.wait("page.state.exposure === 1")
+    assert browser.run("return document.querySelector('#fov').value") == "77"
+    browser.run("document.querySelector('#fov').blur(); page.send('exposure', { stops: 0 })")
+    browser.wait("document.querySelector('#fov').value !== '77'")
+
+
+def test_a_value_that_is_under_way_stays(browser):
+    shown = browser.run(
+        "const knob = page.panel.panes[0].inputs.get('paths.alpha').input, send = page.socket.send; let text;"
+        "page.socket.send = sent => { text = sent; }; knob.value = 0.25;"
+        "knob.dispatchEvent(new Event('change', { bubbles: true })); page.showState(); const shown = [knob.value];"
+        "delete page.socket.send; page.receive({ error: 'not so', refused: JSON.parse(text).id });"
+        "return [...shown, knob.value, send === page.socket.send]"
+    )
+    assert shown == ["0.25", "0.5", True]
+
+
+def test_a_reference_that_cannot_be_made_is_not_chosen(browser, monkeypatch):
+    def refuse(source):
+        raise restirpg.WrongValueError("no room for it")
+
+    monkeypatch.setattr(browser.viewer.session.reference, "use", refuse)
+    browser.run(
+        "const chosen = document.querySelector('#reference'); chosen.focus(); chosen.value = 'traced';"
+        "chosen.dispatchEvent(new Event('change', { bubbles: true }))"
+    )
+    browser.wait("document.querySelector('#messages').textContent.includes('no room for it')")
+    assert browser.run("return document.querySelector('#reference').value") == "none"
+
+
+def test_an_emptied_field_of_view_film_or_speed_goes_back(browser):
+    shown = browser.run(
+        "const sent = [], send = page.send; page.send = (...message) => sent.push(message);"
+        "const shown = ['fov', 'length', 'speed'].map(id => { const field = document.querySelector(`#${id}`), before = field.value;"
+        "    field.value = ''; field.dispatchEvent(new Event('change', { bubbles: true }));"
+        "    return field.value === before && before !== ''; });"
+        "page.send = send; return [shown, sent.length]"
+    )
+    assert shown == [[True, True, True], 0]
+
+
+def test_the_field_of_view_moves_nothing_else(browser):
+    """Though the page's state is of before a move."""
+    before = state(browser, "camera")
+    browser.run(
+        "page.send('orbit', { x: 0.2, y: 0.1 }); const fov = document.querySelector('#fov'); fov.value = 50;"
+        "fov.dispatchEvent(new Event('change', { bubbles: true }))"
+    )
+    browser.wait("document.querySelector('#fov').value === '50.0' && page.controls.answered >= page.controls.asked")
+    assert state(browser, "camera.position") != before["position"]
+    browser.run("page.send('home')")
+    browser.wait("document.querySelector('#fov').value !== '50.0'")
+
+
+def test_copying_the_knobs_takes_one_that_was_turned(browser):
+    said = browser.run(
+        "page.copied = []; page.copy = text => page.copied.push(text);"
+        "const panes = page.state.panes.map(pane => pane.arguments);"
+        "page.state.panes[0].arguments = ''; page.panel.copyArguments(0);"
+        "page.state.panes[0].arguments = '--set a.b=1'; page.panel.copyArguments(0);"
+        "page.state.panes[0].arguments = panes[0]; delete page.copy;"
+        "return [page.copied, document.querySelector('#messages').textContent]"
+    )
+    assert said[0] == ["--set a.b=1"] and "no knob has been turned" in said[1]
+
+
 def test_blink_shows_one_after_the_other(browser):
     browser.run("document.querySelector('[data-mode=blink]').click()")
     browser.wait("page.stage.look.second")
@@ -95,6 +189,39 @@ def test_a_click_inspects_a_pixel(browser):
     browser.point(".pane canvas", ("move", -100, 10), ("down",), ("up",))
     browser.wait("document.querySelector('.values h2')")
     assert "depth" in browser.run("return document.querySelector('.values').textContent")
+
+
+def test_a_pixel_is_of_the_view_in_which_it_was_asked_for(browser, monkeypatch):
+    path = {"points": [[0.2, 0.2], [0.4, 0.4]], "bounces": [1, 2], "light": None}
+    monkeypatch.setattr(reservoirs, "path_at_pixel", lambda *_: path)
+    before = browser.run("return page.view")
+    browser.run("page.send('orbit', { x: 0.1, y: 0 }); page.send('inspect', { x: 9, y: 7 })")
+    browser.wait("document.querySelector('.values h2').textContent === 'pixel 9, 7'")
+    browser.wait(f"page.state.view_number > {before} && page.controls.answered >= page.controls.asked")
+    frames = browser.run("return page.frames")
+    browser.wait(f"page.frames > {frames} + 1")
+    marked = "document.querySelector('.values').classList.contains('passed')"
+    assert browser.run(f"return [page.stage.hasPaths(), {marked}]") == [True, False]
+    browser.run("page.send('home')")
+    browser.wait(f"{marked} && !page.stage.hasPaths()")
+
+
+def test_a_guide_is_shown_with_its_graph_beside_its_own_pixel_alone(browser):
+    shown = browser.run(
+        "const panel = page.panel, told = { x: 9, y: 7, view_number: page.view, geometry: null, panes: [{}, {}],"
+        "    reservoirs: [{}, {}], paths: [null, null] };"
+        "page.state.panes.forEach(pane => { pane.guided = true; }); page.receive({ pixel: told });"
+        "const guide = { pane: 1, x: 9, y: 7, view_number: page.view, side: 0.1, maps: {} };"
+        "page.receive({ guide }); const text = panel.guide.textContent, names = page.state.panes.map(pane => pane.name);"
+        "const enabled = () => [...panel.pixel.querySelectorAll('button')].map(button => !button.disabled), before = enabled();"
+        "page.know(page.view + 1); const after = enabled();"
+        "panel.guide.replaceChildren(); page.receive({ guide: { ...guide, view_number: page.view } });"
+        "const result = [text, names[1], before, after, panel.guide.textContent, document.querySelector('#messages').textContent];"
+        "page.view -= 1; page.state.panes.forEach(pane => { pane.guided = false; }); return result"
+    )
+    assert shown[0].startswith(f"guide of {shown[1]}cell of 10.0 cm")
+    assert shown[2:5] == [[True] * 4, [False] * 4, ""]
+    assert "The view has changed since the guide at pixel 9, 7" in shown[5]
 
 
 def test_a_pixel_without_a_surface_says_so(browser):
@@ -276,6 +403,55 @@ def test_messages_are_announced_and_closed_by_keyboard(browser):
     assert unnamed == []
 
 
+def test_a_canvas_is_used_by_keyboard(browser):
+    def press(key):
+        browser.run(
+            "document.querySelector('.pane canvas').dispatchEvent("
+            f"new KeyboardEvent('keydown', {{ key: {json.dumps(key)}, bubbles: true, cancelable: true }}))"
+        )
+
+    browser.run("document.querySelector('.pane canvas').focus(); page.navigation.inspected = undefined")
+    assert browser.run("return [document.activeElement.tagName, document.activeElement.ariaLabel]")[0] == "CANVAS"
+    before, target = state(browser, "camera.position"), state(browser, "camera.target")
+    press("ArrowRight")
+    browser.wait(
+        f"JSON.stringify(page.state.camera.position) !== {json.dumps(json.dumps(before, separators=(',', ':')))}"
+    )
+    assert state(browser, "camera.target") == target
+    press("Enter")
+    browser.wait("document.querySelector('.values h2').textContent === 'pixel 16, 9'")
+    browser.run("page.send('home')")
+
+
+def test_what_is_seen_is_also_said(browser):
+    pressed = browser.run(
+        "document.querySelector('[data-mode=tiles]').click();"
+        "const told = Object.fromEntries([...document.querySelectorAll('[data-mode]')].map("
+        "    button => [button.dataset.mode, button.getAttribute('aria-pressed')]));"
+        "document.querySelector('[data-mode=split]').click(); return told"
+    )
+    assert pressed == {"split": "false", "blink": "false", "tiles": "true"}
+    label = browser.run(
+        "const panel = page.panel, kept = panel.errors; panel.errors = [[[1, 0.5], [4, 0.25]], []];"
+        "panel.drawErrors(); panel.errors = kept; return [panel.chart.getAttribute('aria-label'), page.state.panes[0].name]"
+    )
+    assert label[0] == f"MAPE 25.00 to 50.00%, 1 to 4 frames; {label[1]}: 25.00%"
+
+
+@pytest.mark.parametrize("width", [1400, 400])
+def test_the_picture_is_wide_and_nothing_is_wider_than_the_window(browser, width):
+    assert (
+        browser.run("return document.querySelector('meta[name=viewport]').content")
+        == "width=device-width, initial-scale=1"
+    )
+    browser.resize(width, 900)
+    try:
+        assert browser.run("return document.documentElement.scrollWidth <= window.innerWidth")
+        assert browser.run("return document.querySelector('.pane canvas').clientWidth") > 0.6 * width
+    finally:
+        browser.resize(1280, 1600)
+
+
 def test_a_path_is_drawn_in_the_pixels_of_the_display(browser):
     drawn = browser.run(
         "const drawn = [], own = CanvasRenderingContext2D.prototype, stroke = own.stroke, text = own.fillText;"
@@ -283,7 +459,7 @@ def test_a_path_is_drawn_in_the_pixels_of_the_display(browser):
         "own.fillText = function (...what) { drawn.push(this.font); text.apply(this, what); };"
         "window.devicePixelRatio = 2;"
         "const paths = [0, 1].map(() => ({ points: [[0.2, 0.2], [0.4, 0.4]], bounces: [1, 2], light: null }));"
-        "page.stage.showPaths({ x: 8, y: 8, paths }, JSON.stringify(page.state.camera));"
+        "page.stage.showPaths({ x: 8, y: 8, paths, view_number: page.view });"
         "window.devicePixelRatio = 1; Object.assign(own, { stroke, fillText: text });"
         "page.stage.paths = undefined; page.stage.draw(); return drawn"
     )

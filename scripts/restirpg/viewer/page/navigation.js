@@ -1,6 +1,8 @@
 // Mouse and keys on the stage, as commands for the camera. Moves between two animation frames are sent as one.
 "use strict";
 
+const ARROWS = { arrowleft: [-1, 0], arrowright: [1, 0], arrowup: [0, 1], arrowdown: [0, -1] };
+const ARROW = 0.05;  // radians
 const KEYS = { w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], q: [0, -1, 0], e: [0, 1, 0] };
 const TURN = 4;  // radians over a picture's height
 const SPEED = 0.8;  // of the target's distance, a second
@@ -33,6 +35,28 @@ export class Navigation {
         const { u, v } = this.place(canvas, event), { zoom, x, y } = this.page.stage.look, [width, height] = this.page.state.size;
         const inside = (value, size) => Math.min(size - 1, Math.max(0, Math.floor(value * size)));
         return { x: inside(x + u / zoom, width), y: inside(y + v / zoom, height) };
+    }
+
+    // The pixel that was inspected last, or the middle one.
+    lastPixel() {
+        const [width, height] = this.page.state.size;
+        return this.inspected ?? { x: width >> 1, y: height >> 1 };
+    }
+
+    inspect(pixel) {
+        this.inspected = pixel;
+        this.page.send("inspect", pixel);
+    }
+
+    // Whether the key is one of a canvas that has the focus.
+    keyOfCanvas(key) {
+        if (key === "enter")
+            this.inspect(this.lastPixel());
+        else if (key in ARROWS)
+            this.add("orbit", { x: ARROW * ARROWS[key][0], y: ARROW * ARROWS[key][1] });
+        else
+            return false;
+        return true;
     }
 
     // Add to a command's arguments, and send them at the next animation frame.
@@ -70,6 +94,10 @@ export class Navigation {
         if (event.key === " " && event.target.matches("button, summary, input, a, select, textarea"))
             return;  // it presses what has the focus
         const key = event.key.toLowerCase(), page = this.page, stage = page.stage;
+        if (event.target.matches("#stage canvas") && this.keyOfCanvas(key)) {
+            event.preventDefault();
+            return;
+        }
         this.fast = event.shiftKey;
         if (key in KEYS) {
             if (!this.held.size)
@@ -92,8 +120,7 @@ export class Navigation {
         const kind = event.button === 2 || event.shiftKey ? "pan" : event.button === 1 || event.altKey ? "look" : "orbit";
         let last = event, moved = false;
         event.preventDefault();
-        if (document.activeElement instanceof HTMLElement)
-            document.activeElement.blur();
+        canvas.focus({ preventScroll: true });
         canvas.setPointerCapture(event.pointerId);
         const move = now => {
             const x = (now.clientX - last.clientX) / start.box.height, y = (now.clientY - last.clientY) / start.box.height;
@@ -114,7 +141,7 @@ export class Navigation {
         const end = now => {
             canvas.removeEventListener("pointermove", move);
             if (!moved && !splits && kind === "orbit" && now.type === "pointerup")
-                this.page.send("inspect", this.pixel(canvas, now));
+                this.inspect(this.pixel(canvas, now));
         };
         canvas.addEventListener("pointerup", end, { once: true });
         canvas.addEventListener("pointercancel", end, { once: true });

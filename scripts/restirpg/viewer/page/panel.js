@@ -1,6 +1,8 @@
 // The panel: of each graph its times, knobs, ports and downloads; the inspected pixel.
 "use strict";
 
+import { withNumber } from "./controls.js";
+
 function element(name, properties = {}, ...children) {
     const made = Object.assign(document.createElement(name), properties);
     made.append(...children);
@@ -16,7 +18,7 @@ export class Panel {
         this.root = root;
         this.page = page;
         this.errors = [];  // of each graph: [frames, MAPE]
-        this.chart = element("canvas", { className: "chart", hidden: true, width: 316, height: 90 });
+        this.chart = element("canvas", { className: "chart", hidden: true, width: 316, height: 90, role: "img" });
         this.pixel = element("div", { className: "values" });
         this.sections = element("div");
         root.append(this.chart, this.pixel, this.sections);
@@ -44,11 +46,19 @@ export class Panel {
             element("h2", { textContent: pane.name, title: pane.file, style: `color: ${COLOURS[index]}` }), summary, times,
             element("div", { className: "actions" }, element("label", {}, "show ", port)),
             element("div", { className: "actions" }, download("picture.png", "PNG"), download("outputs.exr", "EXR"), download("graph.json", "graph file"),
-                    element("button", { textContent: "copy as --set", onclick: () => this.page.copy(this.page.state.panes[index].arguments || "no knob has been turned") }),
+                    element("button", { textContent: "copy as --set", onclick: () => this.copyArguments(index) }),
                     element("button", { textContent: "reset knobs", onclick: () => this.page.send("reset", { pane: index }) })));
         for (const pass of pane.passes.filter(pass => pass.knobs.length))
             section.append(this.buildPass(pass, index, inputs));
         return { section, inputs, port, times, summary };
+    }
+
+    copyArguments(index) {
+        const words = this.page.state.panes[index].arguments;
+        if (words)
+            this.page.copy(words);
+        else
+            this.page.report("no knob has been turned: there is nothing to copy", "note");
     }
 
     buildPass(pass, index, inputs) {
@@ -73,9 +83,7 @@ export class Panel {
         if (knob.type === "string")
             return element("input", { type: "text", onchange: event => send(event.target.value) });
         const step = knob.type === "float" ? "any" : 1;
-        // What is no number, as an emptied field, goes back to what was there.
-        const change = ({ target }) => target.value === "" ? target.value = target.defaultValue : send(Number(target.value));
-        return element("input", { type: "number", step, onchange: change });
+        return element("input", { type: "number", step, onchange: withNumber(send) });
     }
 
     fill(built, pane) {
@@ -84,15 +92,9 @@ export class Panel {
                 const { input, line } = built.inputs.get(`${pass.name}.${knob.name}`);
                 line.classList.toggle("changed", knob.value !== knob.initial);
                 const value = knob.type === "float" ? Number(Number(knob.value).toPrecision(7)) : knob.value;
-                input.defaultValue = value;
-                if (document.activeElement === input && input.type !== "checkbox" && input.tagName !== "SELECT")
-                    continue;
-                if (input.type === "checkbox")
-                    input.checked = value;
-                else
-                    input.value = value;
+                this.page.controls.fill(input, value);
             }
-        built.port.value = pane.port ?? "";
+        this.page.controls.fill(built.port, pane.port ?? "");
     }
 
     showFrame(header) {
@@ -150,7 +152,10 @@ export class Panel {
             context.stroke();
         });
         context.fillStyle = "#5b6675";
-        context.fillText(`MAPE ${(100 * Math.exp(low)).toFixed(2)} to ${(100 * Math.exp(high)).toFixed(2)}%, 1 to ${Math.round(Math.exp(last))} frames`, 4, 10);
+        const ranges = `MAPE ${(100 * Math.exp(low)).toFixed(2)} to ${(100 * Math.exp(high)).toFixed(2)}%, 1 to ${Math.round(Math.exp(last))} frames`;
+        context.fillText(ranges, 4, 10);
+        const now = this.errors.map((line, i) => line.length ? `; ${this.page.state.panes[i].name}: ${(100 * line.at(-1)[1]).toFixed(2)}%` : "");
+        this.chart.ariaLabel = `${ranges}${now.join("")}`;
     }
 
     showPixel(pixel) {
@@ -158,8 +163,9 @@ export class Panel {
         const rows = values => Object.entries(values).map(([name, value]) => element("tr", {}, element("td", { textContent: name }), element("td", { textContent: text(value) })));
         const ask = (pane, product) => () => this.page.send("guide", { pane, x: pixel.x, y: pixel.y, product });
         this.guide = element("div");
+        this.told = pixel;
         const geometry = pixel.geometry ? element("table", {}, ...rows(pixel.geometry)) : element("div", { textContent: "it shows no surface" });
-        this.pixel.replaceChildren(element("h2", { textContent: `pixel ${pixel.x}, ${pixel.y}` }), geometry,
+        this.pixel.replaceChildren(element("h2", { textContent: `pixel ${pixel.x}, ${pixel.y}` }), element("div", { className: "earlier", textContent: "of an earlier view" }), geometry,
             ...pixel.panes.flatMap((values, i) => [
                 element("div", { textContent: this.page.state.panes[i].name, style: `color: ${COLOURS[i]}` }), element("table", {}, ...rows(values)),
                 ...Object.entries(pixel.reservoirs[i]).map(([port, lines]) => element("div", { className: "reservoir" }, element("b", { textContent: port }),
@@ -167,14 +173,27 @@ export class Panel {
                 ...this.page.state.panes[i].guided ? [element("div", { className: "actions" }, element("button", { textContent: "guide here", onclick: ask(i, false) }),
                     element("button", { textContent: "with the true product", title: "path traced from the point: some seconds", onclick: ask(i, true) }))] : []]),
             this.guide);
+        this.markPixel(this.page.view);
+    }
+
+    // What was told of a pixel is of an earlier view once there is another: its guide is not asked for any more.
+    markPixel(view) {
+        const earlier = this.told !== undefined && this.told.view_number !== view;
+        this.pixel.classList.toggle("passed", earlier);
+        this.pixel.querySelectorAll("button").forEach(button => { button.disabled = earlier; });
     }
 
     // The hemisphere about the normal: azimuth to the right, cosine downwards from 1 to 0.
     showGuide(guide) {
+        if (["x", "y", "view_number"].some(name => guide[name] !== this.told?.[name])) {
+            this.page.report(`The view has changed since the guide at pixel ${guide.x}, ${guide.y} was asked for: click the pixel again.`, "note");
+            return;
+        }
         const lobes = (guide.lobes ?? []).map(pair => pair.map(Number)).map(([kappa, weight]) => element("tr", {}, element("td", { textContent: `lobe, kappa ${kappa.toPrecision(3)}` }),
                                                                              element("td", { textContent: `${(100 * weight).toFixed(1)}%` })));
         const told = guide.lobes ? `, alpha ${Number(guide.alpha).toFixed(3)}, learnt from ${Number(guide.samples).toFixed(0)} samples, last ${guide.age} frames ago` : ": nothing learnt yet";
-        this.guide?.replaceChildren(element("div", { textContent: `cell of ${(100 * guide.side).toPrecision(3)} cm${told}` }), element("table", {}, ...lobes),
+        this.guide.replaceChildren(element("h2", { textContent: `guide of ${this.page.state.panes[guide.pane].name}`, style: `color: ${COLOURS[guide.pane]}` }),
+            element("div", { textContent: `cell of ${(100 * guide.side).toPrecision(3)} cm${told}` }), element("table", {}, ...lobes),
             ...Object.entries(guide.maps).map(([name, data]) => element("figure", {}, element("figcaption", { textContent: name }),
                 element("img", { src: `data:image/png;base64,${data}` }))));
     }

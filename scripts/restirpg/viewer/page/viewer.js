@@ -1,6 +1,7 @@
 // The page: its connection to the renderer, and the pictures on the stage.
 "use strict";
 
+import { Controls, withNumber } from "./controls.js";
 import { Navigation } from "./navigation.js";
 import { Panel } from "./panel.js";
 
@@ -32,7 +33,7 @@ class Stage {
                 this.timer = setInterval(() => this.set({ second: !this.look.second }), 600);
         }
         for (const button of document.querySelectorAll("[data-mode]"))
-            button.classList.toggle("on", button.dataset.mode === this.look.mode);
+            button.ariaPressed = button.dataset.mode === this.look.mode;
         this.draw();
     }
 
@@ -62,7 +63,7 @@ class Stage {
     addPane(stage) {
         const pane = document.createElement("div");
         pane.className = "pane";
-        pane.append(document.createElement("canvas"), Object.assign(document.createElement("span"), { className: "left" }),
+        pane.append(Object.assign(document.createElement("canvas"), { tabIndex: 0, role: "img" }), Object.assign(document.createElement("span"), { className: "left" }),
                     Object.assign(document.createElement("span"), { className: "right" }));
         stage.append(pane);
         this.page.navigation.attach(pane.firstChild);
@@ -88,6 +89,7 @@ class Stage {
         pane.children[1].textContent = this.labels[left];
         pane.children[2].textContent = splits ? this.labels[right] : "";
         pane.children[2].hidden = !splits;
+        canvas.ariaLabel = [left, ...splits ? [right] : []].map(i => this.labels[i]).join(", and ");
     }
 
     // Draw the part of a picture between two fractions of the canvas's width.
@@ -100,22 +102,19 @@ class Stage {
                           image.height / zoom, from * width, 0, (to - from) * width, height);
     }
 
-    // The paths that a pixel of each graph has selected, as long as the camera stays.
-    showPaths(pixel, camera) {
+    // The paths that a pixel of each graph has selected, as long as the view stays.
+    showPaths(pixel) {
         const [width, height] = this.page.state.size;
-        Object.assign(this, { paths: pixel.paths, pathCamera: camera, pathPixel: [(pixel.x + 0.5) / width, (pixel.y + 0.5) / height] });
+        Object.assign(this, { paths: pixel.paths, pathView: pixel.view_number, pathPixel: [(pixel.x + 0.5) / width, (pixel.y + 0.5) / height] });
         this.draw();
     }
 
-    forgetPaths(camera) {
-        if (this.paths && camera !== this.pathCamera)
-            this.paths = undefined;
-    }
+    hasPaths() { return this.paths !== undefined && this.pathView === this.page.view && this.page.state.view !== "difference"; }
 
     // The pixel, the path's vertices with their numbers, its edges (broken where a sharp bounce between them is not stored) and
     // the direction towards its light. Between two fractions of the canvas's width.
     drawPath(context, index, from, to) {
-        if (!this.paths || this.page.state.view === "difference")
+        if (!this.hasPaths())
             return;
         const { zoom, x, y } = this.look, { width, height } = context.canvas, path = this.paths[index], unit = devicePixelRatio;
         const at = ([u, v]) => [(u - x) * zoom * width, (v - y) * zoom * height];
@@ -172,6 +171,9 @@ class Page {
         this.arrivals = [];
         this.id = 0;
         this.frames = 0;
+        this.filmAsked = 0;  // id of the last message about a film
+        this.view = -1;  // number of the newest view that is known
+        this.controls = new Controls(() => this.state && this.showState());
         this.bindControls();
         this.connect();
     }
@@ -189,26 +191,41 @@ class Page {
         if (this.socket.readyState !== WebSocket.OPEN)
             return;
         this.socket.send(JSON.stringify({ do: name, id: ++this.id, ...more }));
-        if (!UNSEEN.has(name))
-            this.sent.set(this.id, performance.now());
+        if (UNSEEN.has(name))
+            return;
+        this.sent.set(this.id, performance.now());
+        this.controls.asked = this.id;
     }
 
     receive(message) {
         if (message.error)
             this.report(message.error);
+        if (message.refused && this.state) {
+            this.controls.answer(message.refused);
+            this.showState();
+        }
         if (message.note)
             this.report(message.note, "note");
         if (message.pixel) {
+            this.know(message.pixel.view_number);
             this.panel.showPixel(message.pixel);
-            this.stage.showPaths(message.pixel, JSON.stringify(this.state.camera));
+            this.stage.showPaths(message.pixel);
         }
         if (message.guide)
             this.panel.showGuide(message.guide);
         if (message.state) {
             this.you = message.you;
             this.state = message.state;
+            this.controls.answer(this.state.seen[this.you] ?? 0);
+            this.know(this.state.view_number);
             this.showState();
         }
+    }
+
+    // There is a view of that number: what is known of a pixel of an earlier one is marked. An answer may overtake the state.
+    know(view) {
+        this.view = Math.max(this.view, view);
+        this.panel.markPixel(this.view);
     }
 
     async receiveFrame(data) {
@@ -217,6 +234,7 @@ class Page {
         let at = 4 + length;
         const blobs = header.sizes.map(size => new Blob([new Uint8Array(data, at, (at += size, size))], { type: "image/jpeg" }));
         const images = await Promise.all(blobs.map(blob => createImageBitmap(blob)));
+        this.know(header.view_number);
         if (images.length)
             this.stage.show(images, header.labels);
         this.frames += 1;
@@ -233,7 +251,6 @@ class Page {
         if (this.filmed !== undefined && this.filmed !== filmed)
             this.report(`the film is in ${filmed}`, "note");
         this.filmed = filmed;
-        $("film").disabled = false;
         $("film").textContent = film ? `stop (${film.done} of ${film.count})` : "record";
     }
 
@@ -271,9 +288,9 @@ class Page {
         $("view").onchange = event => this.sendView(event.target.value);
         $("exposure").oninput = event => this.send("exposure", { stops: Number(event.target.value) });
         $("keep").onchange = event => this.send("keep", { on: event.target.checked });
-        $("fov").onchange = event => this.send("pose", { ...this.state.camera, yfov: Number(event.target.value) * Math.PI / 180 });
+        $("fov").onchange = withNumber(degrees => this.send("fov", { yfov: degrees * Math.PI / 180 }));
         $("time").oninput = event => this.send("time", { seconds: Number(event.target.value) });
-        $("speed").onchange = event => this.send("speed", { factor: Number(event.target.value) });
+        $("speed").onchange = withNumber(factor => this.send("speed", { factor }));
         $("camera").onchange = event => this.send("camera", { number: Number(event.target.value) });
         $("copy").onchange = event => {
             const kind = event.target.value;
@@ -284,9 +301,14 @@ class Page {
                 this.copy(this.state[kind]);
         };
         $("reference").onchange = event => this.send("reference", { source: event.target.value });
+        $("length").onchange = withNumber(frames => { $("length").defaultValue = frames; });
         $("film").onclick = () => {
-            $("film").disabled = true;  // until the state says whether there is a film
+            if (!this.state.film && !$("length").reportValidity())
+                return;
+            if (this.controls.answered < this.filmAsked)  // whether there is a film is not known yet
+                return;
             this.send("film", { frames: this.state.film ? 0 : Number($("length").value), kind: $("kind").value });
+            this.filmAsked = this.controls.asked;
         };
         for (const side of ["a", "b"])
             $(side).onchange = event => {
@@ -346,7 +368,6 @@ class Page {
             button.parentElement.hidden = !several;
         $("view").options[1].disabled = !several;
         $("view").options[2].disabled = s.reference === "none";
-        $("reference").value = s.reference;
         $("reference").options[1].disabled = !s.has_file;
         $("camera").hidden = s.cameras.length < 2;
         if ($("camera").childElementCount !== s.cameras.length + 1)
@@ -354,18 +375,18 @@ class Page {
         $("camera").value = "";
         $("filming").hidden = !s.films;
         this.showFilm(s.film, s.filmed);
-        const fill = (id, value) => { if (document.activeElement !== $(id)) $(id).value = value; };
-        $("view").value = s.view;
+        const fill = (id, value) => this.controls.fill($(id), value);
+        fill("reference", s.reference);
+        fill("view", s.view);
         fill("exposure", s.exposure);
         $("exposure").nextElementSibling.textContent = s.exposure.toFixed(2);
-        $("keep").checked = s.keep;
+        fill("keep", s.keep);
         fill("fov", (s.camera.yfov * 180 / Math.PI).toFixed(1));
         for (const label of document.querySelectorAll(".animation"))
             label.hidden = s.duration === 0;
         $("time").max = s.duration;
         this.showTime(s.time);
         fill("speed", s.speed);
-        this.stage.forgetPaths(JSON.stringify(s.camera));
         this.stage.set({});
         this.panel.showState(s);
     }
