@@ -23,15 +23,11 @@ public:
         io.structural();
     }
 
-    void check() const override
+    // Not in check(): --set may name the file of a graph that was loaded without it.
+    void build(Device& device) override
     {
         if (reference_.empty())
             fail("it needs a reference: set its knob 'reference' to the path of an EXR file");
-    }
-
-    void build(Device& device) override
-    {
-        check();  // the knob may have been emptied since
         const Image reference = readExr(reference_);
         width_ = reference.width;
         height_ = reference.height;

@@ -73,17 +73,6 @@ def test_graph_mistakes_are_collected_and_located(tmp_path):
     )
 
 
-def test_a_graph_that_measures_errors_against_nothing_is_refused(tmp_path):
-    (tmp_path / "g.py").write_text(
-        "from restirpg import Graph\n"
-        "graph = Graph('G')\n"
-        "image = graph.add('gbuffer', 'GBuffer').albedo\n"
-        "graph.output('errors', graph.add('errors', 'ErrorMeasure', image=image).errors)\n"
-    )
-    said = refusal("graph", "g.py", folder=tmp_path)
-    assert said.startswith("g.py:4: pass 'errors' (ErrorMeasure): it needs a reference: set its knob 'reference'")
-
-
 def test_a_graph_is_printed_whatever_its_file_is_called(tmp_path):
     folder = tmp_path / os.fsdecode(b"\xe9\x1b[2J")
     folder.mkdir()
