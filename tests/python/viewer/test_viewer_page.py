@@ -258,7 +258,10 @@ def test_the_lines_of_errors_begin_anew_with_another_reference(browser):
 
 
 def test_the_label_and_the_summary_say_why_there_is_no_error(browser):
-    browser.run("page.send('reference', { source: 'traced' }); page.send('view', { name: 'error' })")
+    browser.run(
+        "page.send('set', { pane: 1, knob: 'paths.bounces', value: 0 });"
+        "page.send('reference', { source: 'traced' }); page.send('view', { name: 'error' })"
+    )
     browser.wait("page.header.labels[0].endsWith(': error')")
     browser.wait("document.querySelector('.pane .left').textContent.endsWith(': error')")
     why = "no error: its bounce cap is 0, that of the reference is 8"
