@@ -330,6 +330,12 @@ def test_an_interrupted_rendering_keeps_what_there_is(scene, tmp_path, number):
     assert header_of(tmp_path / "a.exr")["restirpg.frames"] == str(kept)
 
 
+def own_terminal():
+    """Make standard input the terminal of this new session, whose end is told by SIGHUP; nohup has that ignored."""
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+
+
 @pytest.mark.parametrize("printed", ["to the terminal", "elsewhere"])
 def test_a_terminal_that_is_closed_keeps_what_there_is(scene, tmp_path, printed):
     master, slave = pty.openpty()
@@ -340,7 +346,7 @@ def test_a_terminal_that_is_closed_keeps_what_there_is(scene, tmp_path, printed)
         stdout=slave if printed == "to the terminal" else subprocess.DEVNULL,
         stderr=slave,
         start_new_session=True,
-        preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+        preexec_fn=own_terminal,
     ) as program:
         os.close(slave)
         drawn = b""
