@@ -1,6 +1,7 @@
 // What all renderers of a process on one device share: instance, logical device, queue, layouts and pipelines.
 #pragma once
 
+#include "gpu/device_choice.h"
 #include "gpu/pipeline.h"
 
 #include <volk.h>
@@ -14,34 +15,7 @@
 
 namespace restirpg {
 
-/// Which ray tracing back end the kernels are compiled for.
-enum class Backend {
-    software,  ///< two-level BVH2 traversed in the kernel; any device
-    rayQuery,  ///< GL_EXT_ray_query
-};
-
-struct DeviceOptions {
-    /// Index or part of the name, as `restirpg devices` lists them; empty: discrete, else integrated, else CPU
-    std::string device;
-    std::string backend;  ///< "software", "rayquery" or empty: ray query where the device has it and is no CPU
-    /// Validation layer with synchronization validation; RESTIRPG_VALIDATION=1 turns it on too
-    bool validation = false;
-};
-
-/// A physical device as `restirpg devices` shows it.
-struct DeviceDescription {
-    std::string name;
-    std::string driver;  ///< name and version
-    std::string type;  ///< "discrete GPU", "integrated GPU", "virtual GPU", "CPU"
-    bool rayQuery = false;
-    bool shaderObject = false;  ///< VK_EXT_shader_object
-    std::vector<std::string> missing;  ///< required features it lacks; empty: usable
-};
-
 std::vector<DeviceDescription> listDevices();
-
-/// The one that DeviceOptions::device names: digits alone are an index. Throws WrongValue when there is none.
-size_t chooseDevice(const std::vector<DeviceDescription>& devices, const std::string& wanted);
 
 /// Ticks from one time stamp to a later one, which have so many bits (timestampValidBits) and start over at 0.
 constexpr uint64_t ticksBetween(uint64_t begin, uint64_t end, uint32_t bits)

@@ -1,10 +1,12 @@
-"""Sessions of the viewer that tests use."""
+"""Sessions and pages of the viewer that tests use."""
 
 import json
+import shutil
 
 import pytest
 from renderer_scenes import GRAPH, make_renderer, restirpg, write_flying_panel
-from viewer_sessions import SIZE
+from viewer_sessions import PAGE_SIZE, SIZE
+from webdriver import Browser
 
 from restirpg.viewer.session import Session
 
@@ -58,3 +60,26 @@ def session(shared):
         shared.apply(message)
     shared.render()
     return shared
+
+
+@pytest.fixture(scope="module")
+def graph_file(tmp_path_factory):
+    """A graph file of one's own to edit."""
+    file = tmp_path_factory.mktemp("own") / "own.py"
+    file.write_text(GRAPH.read_text())
+    return file
+
+
+@pytest.fixture(scope="module")
+def browser(scene, graph_file):
+    """A browser that shows two graphs."""
+    if not shutil.which("chromedriver"):
+        pytest.skip("chromedriver is not installed: no browser has opened the viewer")
+    with (
+        restirpg.view([graph_file, GRAPH], scene, PAGE_SIZE, captures=graph_file.parent / "films") as viewer,
+        Browser() as browser,
+    ):
+        browser.viewer = viewer
+        browser.open(viewer.url)
+        browser.wait("window.page && page.frames > 1 && page.state")
+        yield browser

@@ -3,6 +3,7 @@
 from renderer_scenes import restirpg
 
 SIZE = (16, 16)
+PAGE_SIZE = (32, 18)
 
 
 def images(session):
