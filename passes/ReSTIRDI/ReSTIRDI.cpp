@@ -37,6 +37,10 @@ public:
         io.knob("pool", rules_.pool, 1, MAX_POOL,
                 "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one "
                 "that is drawn, as published");
+        io.choice(
+            "shade", shadeMerged_, {{"chosen", false}, {"merged", true}},
+            "light of a pixel: of the point that it keeps, as published, or of all points that the last merge chose "
+            "from, by their resampling weights, which has the same luminance and less noise of colour");
         io.knob("radius", rules_.radius, 1, 1000,
                 "radius of the disk from which neighbours are drawn, in pixels of an image of 1080 lines; it scales "
                 "with the image's height, down to least_radius");
@@ -66,16 +70,22 @@ public:
         ReSTIRDIParameters parameters = parametersOf(frame);
         parameters.reservoirs = stageTarget(frame, 0);
         frame.dispatchPixels(candidatesKernel_, parameters);
-        if (temporal_ && history_ && !history_.empty)
+        const Address shaded = shadeMerged_ ? addressOf(radiance_) : 0;
+        if (temporal_ && history_ && !history_.empty) {
+            parameters.radiance = rounds_ == 0 ? shaded : 0;
             frame.dispatchPixels(temporalKernel_, parameters);
+        }
         for (parameters.round = 0; parameters.round < rounds_; ++parameters.round) {
             parameters.source = parameters.reservoirs;
             parameters.reservoirs = stageTarget(frame, parameters.round + 1);
+            parameters.radiance = parameters.round + 1 == rounds_ ? shaded : 0;
             frame.dispatchPixels(spatialKernel_, parameters);
         }
         parameters.source = parameters.reservoirs;
-        if (radiance_)
+        if (radiance_ && parameters.radiance == 0) {
+            parameters.radiance = radiance_->address();
             frame.dispatchPixels(shadeKernel_, parameters);
+        }
     }
 
 private:
@@ -87,7 +97,6 @@ private:
         parameters.previousSurface = addressOf(previousSurface_);
         parameters.motion = addressOf(motion_);
         parameters.history = addressOf(history_);
-        parameters.radiance = addressOf(radiance_);
         parameters.candidates = candidates_;
         parameters.bsdfCandidates = bsdfCandidates_;
         parameters.pairwise = pairwise_;
@@ -127,6 +136,7 @@ private:
         .neighbours = 5, .pool = 1, .radius = 30, .leastRadius = 3, .normalThreshold = 0.5f, .depthThreshold = 0.1f};
     bool feedback_ = true;
     bool pairwise_ = true;
+    bool shadeMerged_ = false;
     Device* device_ = nullptr;
     Kernel candidatesKernel_, temporalKernel_, spatialKernel_, shadeKernel_;
     std::array<Buffer, 3> scratch_;

@@ -15,7 +15,7 @@ struct ReSTIRDIParameters {
     Address history;  ///< LightReservoir per pixel, of the frame before
     Address source;  ///< LightReservoir per pixel, read by Spatial.comp and Shade.comp
     Address reservoirs;  ///< LightReservoir per pixel, written; Temporal.comp reads it too
-    Address radiance;  ///< vec3 per pixel
+    Address radiance;  ///< vec3 per pixel, written; 0: not by this kernel
     uint candidates;  ///< light candidates per pixel
     uint bsdfCandidates;
     uint round;  ///< of spatial reuse

@@ -15,16 +15,20 @@ void main()
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
     Hit hit = primary_hit(params.surface, pixel);
-    if (hit.instance == INVALID_INDEX)
-        return;
-    LightReservoirArray reservoirs = LightReservoirArray(params.reservoirs);
-    merge.surfaces = params.previousSurface;
-    merge.reservoirs = LightReservoirArray(params.history);
-    merge.previous = true;
-    merge.pairwise = false;  // of two participants, the balance heuristic costs no more
-    begin_merge(load_domain(hit, false), reservoirs.at[pixel]);
-    RandomKey key = direct_key(at);
-    add_previous(params, key, at, hit, Vec2Array(params.motion).at[pixel]);
-    if (merge.count > 0u)
-        reservoirs.at[pixel] = merge_reservoirs(key, TEMPORAL_ROUND);
+    merge.light = vec3(0.0);
+    if (hit.instance != INVALID_INDEX) {
+        LightReservoirArray reservoirs = LightReservoirArray(params.reservoirs);
+        merge.surfaces = params.previousSurface;
+        merge.reservoirs = LightReservoirArray(params.history);
+        merge.previous = true;
+        merge.pairwise = false;  // of two participants, the balance heuristic costs no more
+        merge.shade = params.radiance != 0ul;
+        begin_merge(load_domain(hit, false), reservoirs.at[pixel]);
+        RandomKey key = direct_key(at);
+        add_previous(params, key, at, hit, Vec2Array(params.motion).at[pixel]);
+        if (merge.count > 0u || merge.shade)
+            reservoirs.at[pixel] = merge_reservoirs(key, TEMPORAL_ROUND);
+    }
+    if (params.radiance != 0ul)
+        Vec3Image(params.radiance).at[pixel] = merge.light;
 }

@@ -47,6 +47,8 @@ struct Merge {
     LightReservoirArray reservoirs;  ///< of the neighbours
     bool previous;  ///< the neighbours are of the frame before
     bool pairwise;
+    bool shade;  ///< `light` is wanted
+    vec3 light;  ///< sum of MIS weight, contribution and contribution weight of each point, W/sr/m^2; its luminance is the weights' sum
 };
 Merge merge;
 
@@ -56,6 +58,7 @@ void begin_merge(Domain centre, LightReservoir own)
     merge.own = own;
     merge.count = 0u;
     merge.total = own.confidence;
+    merge.light = vec3(0.0);
 }
 
 void add_neighbour(uint pixel, float confidence)
@@ -86,15 +89,16 @@ Domain load_domain(Hit hit, bool previous)
     return Domain(shade_for_camera(then, camera), ray_end(today), previous);
 }
 
-/// The target in a participant's domain: p^(y) V(y). Of the frame before, no acceleration structure is left: the ray runs
-/// between the places where both ends stand today, so that neither hides behind itself.
-float target_at(uint participant, LightPoint y)
+/// The light that a point sends to the camera in a participant's domain. `seen`: the point is known to be visible there.
+/// Of the frame before, no acceleration structure is left: the ray runs between the places where both ends stand today,
+/// so that neither hides behind itself.
+vec3 light_at(uint participant, LightPoint y, bool seen)
 {
     Domain d = merge.centre;
     if (participant != CENTRE)
         d = load_domain(primary_hit(merge.surfaces, pixel_of(participant)), merge.previous);
-    float target = luminance(direct_contribution(d.point, edge_to_light(y, d.point.position, d.previous)));
-    return target > 0.0 && is_free(shadow_ray_to_light(d.today, y)) ? target : 0.0;
+    vec3 light = direct_contribution(d.point, edge_to_light(y, d.point.position, d.previous));
+    return seen || luminance(light) > 0.0 && is_free(shadow_ray_to_light(d.today, y)) ? light : vec3(0.0);
 }
 
 /// Pairwise MIS: a neighbour's share of a point against the centre alone, by the targets in the domains of both.
@@ -104,18 +108,26 @@ float share_of_neighbour(float there, float here)
 }
 
 /// MIS weight of a participant for the point it holds. `here`: the point's target at the centre; the centre takes no
-/// point that has none there. Every use of a target stands in this one loop: drivers copy a function to each of its
-/// calls, and a target is most of the kernel.
-float mis_weight(uint holder, LightReservoir r, out float here)
+/// point that has none there. `light`: what the target is the luminance of; of the centre's own point only if the merge
+/// shades. Every use of a target stands in this one loop: drivers copy a function to each of its calls, and a target is
+/// most of the kernel.
+float mis_weight(uint holder, LightReservoir r, out float here, out vec3 light)
 {
     here = r.target;
+    light = vec3(0.0);
     float own = confidence_of(holder) * r.target;
     float all = own;  // confidence times target, of all participants: the balance heuristic's denominator
     float part = confidence_of(holder) / merge.total;  // pairwise: of the point's weight
     for (uint i = 0u; i <= merge.count; ++i) {
-        if (i == holder)
+        bool own_domain = i == holder;
+        if (own_domain && !(i == CENTRE && merge.shade))
             continue;
-        float there = target_at(i, r.point);
+        vec3 sent = light_at(i, r.point, own_domain);
+        if (i == CENTRE)
+            light = sent;
+        if (own_domain)
+            continue;
+        float there = luminance(sent);
         if (i == CENTRE) {
             here = there;
             if (here <= 0.0 || merge.pairwise)  // pairwise, a neighbour shares its points with the centre alone
@@ -142,10 +154,12 @@ LightReservoir merge_reservoirs(RandomKey key, uint round)
         if (r.ucw <= 0.0)
             continue;
         float here;
-        float mis = mis_weight(i, r, here);
+        vec3 light;
+        float mis = mis_weight(i, r, here, light);
         if (here <= 0.0)
             continue;
         float weight = mis * here * r.ucw;
+        merge.light += mis * r.ucw * light;
         if (resample(sum, weight, i == CENTRE ? 0.0 : random1(key, RANDOM_MERGE + round, i - 1u))) {
             kept.point = r.point;
             kept.target = here;

@@ -34,7 +34,7 @@ public:
                          "under temporal reuse");
         io.ofFrameBefore();
         io.together({"motion", "previous_surface", "history"});
-        io.output("radiance", radiance_, image(3), "light of the chosen path, W/sr/m^2");
+        io.output("radiance", radiance_, image(3), "light of the chosen path, or of all merged paths, W/sr/m^2");
         io.output("reservoirs", reservoirs_, reservoir, "the path that each pixel keeps at the end of the frame");
         io.output("vertices", vertices_, asMuchAs("PathVertices", candidateVertices_),
                   "the bounces of that path as it stands in this pixel, as many as candidate_vertices has");
@@ -49,6 +49,10 @@ public:
         io.knob("reciprocal", reciprocal_,
                 "pair pixels, so that each shift serves both: half the shifts of spatial reuse");
         io.structural();
+        io.choice(
+            "shade", shadeMerged_, {{"chosen", false}, {"merged", true}},
+            "light of a pixel: of the path that it keeps, as published, or of all paths that the last merge chose "
+            "from, by their resampling weights, which has the same luminance and less noise of colour");
         io.knob("radius", rules_.radius, 1, 1000,
                 "radius of the disk from which neighbours are drawn, in pixels of an image of 1080 lines; it scales "
                 "with the image's height, down to least_radius");
@@ -108,8 +112,10 @@ public:
         }
         if (!temporal && rounds_ == 0 && reservoirs_)
             frame.copy(*candidates_.resource, *reservoirs_.resource);
-        if (radiance_)
+        if (radiance_ && parameters.radiance == 0) {
+            parameters.radiance = radiance_->address();
             frame.dispatchPixels(shadeKernel_, parameters);
+        }
         if (vertices_)
             frame.dispatchPixels(verticesKernel_,
                                  ReuseVerticesParameters{parameters.frame, parameters.surface, parameters.source,
@@ -128,7 +134,6 @@ private:
         p.motion = addressOf(motion_);
         p.source = candidates_->address();
         p.history = addressOf(history_);
-        p.radiance = addressOf(radiance_);
         p.cap = cap_;
         p.rules = rules_;
         return p;
@@ -142,6 +147,7 @@ private:
         const uint32_t own = left == 0 ? 2 : left % 2;
         parameters.reservoirs =
             left == 0 && reservoirs_ ? reservoirs_->address() : scratch(scratch_[own], pixels * sizeof(PathReservoir));
+        parameters.radiance = left == 0 && shadeMerged_ ? addressOf(radiance_) : 0;
         if (vertices_)
             parameters.origins = scratch(originScratch_[left % 2], pixels * sizeof(uint32_t));
     }
@@ -167,6 +173,7 @@ private:
     NeighbourRules rules_{
         .neighbours = 3, .pool = 1, .radius = 20, .leastRadius = 3, .normalThreshold = 0.5f, .depthThreshold = 0.1f};
     bool reciprocal_ = false;
+    bool shadeMerged_ = false;
     Device* device_ = nullptr;
     Buffer scratch_[3], originScratch_[2], images_, partners_;
     Kernel temporalKernel_, pairsKernel_, imagesKernel_, spatialKernel_, shadeKernel_, verticesKernel_;

@@ -14,7 +14,7 @@ struct ReuseParameters {
     Address source;  ///< PathReservoir per pixel, read
     Address history;  ///< PathReservoir per pixel, one frame ago
     Address reservoirs;  ///< PathReservoir per pixel, written
-    Address radiance;  ///< vec3 per pixel; 0: nobody reads it
+    Address radiance;  ///< vec3 per pixel, written; 0: not by this kernel
     /// The origin (see merge.glsl) of each path of `source`, a uint per pixel; 0: each pixel's own candidate
     Address originSource;
     Address origins;  ///< the origin of each path of `reservoirs`, written; 0: nobody reads vertices

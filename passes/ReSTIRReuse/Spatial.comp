@@ -23,10 +23,9 @@ bool image_in(uint pixel, ShadingPoint domain, uint i, PathReservoir y, out Path
 #endif
 }
 
-Choice merge_neighbours(uvec2 at, uint centre, Hit hit, Neighbours neighbours, Choice kept)
+Choice merge_neighbours(uvec2 at, uint centre, Hit hit, Neighbours neighbours, PathReservoir own)
 {
-    PathReservoir own = kept.path;
-    uint owner = kept.owner;
+    Choice kept = begin_merge(own, centre);
     ShadingPoint here = load_domain(hit, false);
     float others = neighbours.confidence;
     float total = own.confidence + others;
@@ -59,7 +58,7 @@ Choice merge_neighbours(uvec2 at, uint centre, Hit hit, Neighbours neighbours, C
         }
     }
     // The centre comes last: its weight is known only now.
-    choose(kept, own, owner, own_weight * luminance(own.f) * own.ucw,
+    choose(kept, own, centre, own_weight * luminance(own.f) * own.ucw,
            random1(reuse_key(at), spatial_round(params.round), SPATIAL_NUMBERS - 1u));
     finish_merge(kept, total);
     return kept;
@@ -73,12 +72,11 @@ void main()
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
     Hit hit = primary_hit(params.surface, pixel);
-    Choice kept = Choice(PathReservoirArray(params.source).at[pixel], 0.0, pixel);
+    Choice kept = keep(PathReservoirArray(params.source).at[pixel], pixel);
     if (hit.instance != INVALID_INDEX) {
         Neighbours neighbours = find_neighbours(at);
         if (neighbours.any)
-            kept = merge_neighbours(at, pixel, hit, neighbours, kept);
+            kept = merge_neighbours(at, pixel, hit, neighbours, kept.path);
     }
-    PathReservoirArray(params.reservoirs).at[pixel] = kept.path;
-    write_origin(params.origins, pixel, origin_of(params.originSource, kept.owner));
+    write_choice(params, pixel, kept, origin_of(params.originSource, kept.owner));
 }

@@ -13,7 +13,7 @@ const uint HISTORY = 1u;
 
 Choice merge_history(uvec2 at, Hit hit, PathReservoir own, uint before)
 {
-    Choice kept = Choice(own, 0.0, OWN);
+    Choice kept = begin_merge(own, OWN);
     PathReservoir history = PathReservoirArray(params.history).at[before];
     history.confidence = min(history.confidence, params.cap * own.confidence);
     // Two shifts: this frame's path to the history's domain, and the history's path here. One place calls the shift, for compilers copy
@@ -31,7 +31,8 @@ Choice merge_history(uvec2 at, Hit hit, PathReservoir own, uint before)
         bool has_image = shift_to(y, load_domain(domain, present), shifted, jacobian);
         float target = has_image ? luminance(shifted.f) * jacobian : 0.0;
         if (present && own.ucw > 0.0) {
-            kept.sum = present_share(own, target, own.confidence, history.confidence) * luminance(own.f) * own.ucw;
+            float share = present_share(own, target, own.confidence, history.confidence);
+            choose(kept, own, OWN, share * luminance(own.f) * own.ucw, 0.0);
         } else if (!present && has_image) {
             float share = history_share(history, shifted, jacobian, own.confidence, history.confidence);
             choose(kept, shifted, HISTORY, share * target * history.ucw, random1(reuse_key(at), TEMPORAL_ROUND, 1u));
@@ -49,7 +50,7 @@ void main()
         return;
     uint pixel = at.y * frame.c.size.x + at.x;
     Hit hit = primary_hit(params.surface, pixel);
-    Choice kept = Choice(PathReservoirArray(params.source).at[pixel], 0.0, OWN);
+    Choice kept = keep(PathReservoirArray(params.source).at[pixel], OWN);
     vec2 u = random2(reuse_key(at), TEMPORAL_ROUND, 0u);
     uint before;
     // Which vertices reconnect depends on the radius of the scene's sphere: where that has changed, this frame's paths have images in the
@@ -57,6 +58,5 @@ void main()
     if (hit.instance != INVALID_INDEX && frame.c.rescaled == 0u &&
         find_history(params.previousSurface, hit, at, Vec2Array(params.motion).at[pixel], u, params.rules, before))
         kept = merge_history(at, hit, kept.path, before);
-    PathReservoirArray(params.reservoirs).at[pixel] = kept.path;
-    write_origin(params.origins, pixel, kept.owner == OWN ? pixel : before | OF_HISTORY);
+    write_choice(params, pixel, kept, kept.owner == OWN ? pixel : before | OF_HISTORY);
 }

@@ -61,18 +61,32 @@ float share_left(PathReservoir y, float there, float centre_confidence, float ne
     return 1.0 - pairwise_share(neighbours_confidence, there, centre_confidence, luminance(y.f));
 }
 
-/// The path that a merge has kept so far, and whose it was.
+/// The path that a merge has kept so far, whose it was, and the light of all that it has seen.
 struct Choice {
     PathReservoir path;
     float sum;  ///< of resampling weights
     uint owner;
+    vec3 light;  ///< sum of MIS weight, f and contribution weight of each path, W/sr/m^2; its luminance is `sum`
 };
+
+/// A pixel's path that has not been merged with any.
+Choice keep(PathReservoir path, uint owner)
+{
+    return Choice(path, 0.0, owner, path.f * path.ucw);
+}
+
+/// The start of a merge. `own` is kept until a path is chosen.
+Choice begin_merge(PathReservoir own, uint owner)
+{
+    return Choice(own, 0.0, owner, vec3(0.0));
+}
 
 /// Take the path with this resampling weight instead of the kept one, or not.
 void choose(inout Choice kept, PathReservoir path, uint owner, float weight, float u)
 {
     if (!(weight > 0.0) || isinf(weight))
         return;
+    kept.light += path.f * (weight / luminance(path.f));
     if (resample(kept.sum, weight, u)) {
         kept.path = path;
         kept.owner = owner;
@@ -99,10 +113,14 @@ uint origin_of(Address origins, uint pixel)
     return origins != 0ul ? OriginArray(origins).at[pixel] : pixel;
 }
 
-void write_origin(Address origins, uint pixel, uint origin)
+/// Write what a merge has left in a pixel.
+void write_choice(ReuseParameters params, uint pixel, Choice kept, uint origin)
 {
-    if (origins != 0ul)
-        OriginArray(origins).at[pixel] = origin;
+    PathReservoirArray(params.reservoirs).at[pixel] = kept.path;
+    if (params.origins != 0ul)
+        OriginArray(params.origins).at[pixel] = origin;
+    if (params.radiance != 0ul)
+        Vec3Image(params.radiance).at[pixel] = kept.light;
 }
 
 #endif

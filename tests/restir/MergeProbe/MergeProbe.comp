@@ -35,7 +35,8 @@ float weight_sum(uint holder, LightReservoir held)
     for (uint i = 0u; i <= merge.count; ++i) {
         LightReservoir r = i == holder ? held : held_by(i, held.point);
         float here = r.target;
-        float weight = r.target > 0.0 ? mis_weight(i, r, here) : 0.0;
+        vec3 light;
+        float weight = r.target > 0.0 ? mis_weight(i, r, here, light) : 0.0;
         if (i == CENTRE && here <= 0.0)
             return -1.0;
         sum += weight;
