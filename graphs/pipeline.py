@@ -23,20 +23,20 @@ def pipeline(
     guided_bounces=64,
     show="resampled",
 ):
-    """The graph.
+    """Build the graph.
 
-    temporal, rounds: reuse over frames, and rounds of reuse over pixels, for direct and indirect light alike.
-    train: what the guide of the hash grid learns from, if the paths have that guide: "selected", the paths that
-    resampling has selected; "temporal", those that a resampling over frames alone would have selected, done beside it;
-    "candidates", those it chose from; "raw", all bounces of the candidates' path trees, weighted by the light that came
-    back. splat, fit: knobs of that guide's passes.
-    guide: another guide in its place: its port, or a function that adds its pass and returns the port. The function is
-    given the graph and the ports that reuse over frames reads, as keyword arguments of Graph.add. learn: a function of
-    the graph and the pass `paths`, if the guide learns behind the paths.
-    reuse: knobs of the resampling of paths. direct: knobs of the resampling of light points. trees: path trees per
-    pixel, of which one path is resampled.
-    guided_bounces: bounces from the primary hit on that the guide draws, and learns from. show: "resampled", or
-    "candidates": the indirect light of the initial paths alone, guided if there is a guide.
+    temporal, rounds: reuse over frames, and rounds of spatial reuse, for direct and indirect light alike.
+    train: the training data of the hash grid's guide. None: no such guide. "selected": the paths that resampling
+    selects. "candidates": the paths that it selects from. "temporal": what an additional resampling over frames alone
+    selects. "raw": all bounces of the path trees, weighted by the light that came back along them.
+    splat, fit: knobs of GuidingSplat and GuidingFit.
+    guide: another guide in place of the hash grid: its port, or a function that adds its pass and returns the port. The
+    function gets the graph and a dictionary of the inputs surface, motion and previous_surface.
+    learn: a function of the graph and the pass `paths`; it adds the pass that trains the guide after the paths.
+    reuse, direct: knobs of ReSTIRReuse and ReSTIRDI.
+    trees: path trees per pixel, from which one path is resampled.
+    guided_bounces: bounces from the primary hit on that the guide samples and learns from.
+    show: "resampled", or "candidates": the indirect light of the initial paths alone.
     """
     if train and guide:
         raise ValueError("train is for the guide of the hash grid; with another guide, leave it out")
@@ -86,13 +86,13 @@ def pipeline(
     if learn:
         learn(g, paths)
     if train:
-        lessons = {
+        training = {
             "selected": lambda: {"vertices": resampled.vertices},
             "candidates": lambda: {"vertices": paths.vertices},
-            "temporal": lambda: {"vertices": resample("teacher", True, rounds=0).vertices},
+            "temporal": lambda: {"vertices": resample("temporal_reuse", True, rounds=0).vertices},
             "raw": lambda: {"samples": paths.samples},
         }[train]()
-        statistics = g.add("splat", "GuidingSplat", guide=prev("fit.guide"), **lessons, **splat)
+        statistics = g.add("splat", "GuidingSplat", guide=prev("fit.guide"), **training, **splat)
         g.add("fit", "GuidingFit", statistics=statistics.statistics, history=prev("fit.guide"), **fit)
     image = g.add(
         "accumulate",

@@ -1,5 +1,5 @@
-"""ReSTIR PG with a memory: statistics of earlier frames count, by 0.9 a frame. Not in the paper, whose frames have
-enough samples.
+"""ReSTIR PG with a memory: a cell's statistics are multiplied by 0.9 in each frame, not discarded. Not in the paper, whose
+frames have enough samples.
 
 In a small image a cell sees few different paths a frame (benchmarks/results/restir_pg).
 """

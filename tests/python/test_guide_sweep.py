@@ -65,8 +65,8 @@ def test_the_cap_is_the_scene_s_and_a_method_s_other_cap_is_told(scene_file, cap
     assert "short: its bounce cap is 2" in capsys.readouterr().err
 
 
-def test_the_measured_reuse_is_the_one_that_is_shown_and_not_the_guide_s_teacher():
+def test_the_measured_reuse_is_the_one_that_is_shown_and_not_the_training_data_s():
     graph = guide_sweep.make_graph(ROOT / "graphs/guided_by_temporal.py")
-    assert "teacher" in [entry["name"] for entry in graph["passes"]]
+    assert "temporal_reuse" in [entry["name"] for entry in graph["passes"]]
     [indirect] = [entry for entry in graph["outputs"] if entry["name"] == "indirect"]
     assert indirect["pass"] == "reuse"
