@@ -48,7 +48,7 @@ void runBsdf(benchmark::State& state, const DeviceOptions& options, const NamedM
 {
     using Clock = std::chrono::steady_clock;
     constexpr float IOR = 1.5f;
-    auto& sampler = keep<Sampler>("bsdf", [&] { return std::make_shared<Sampler>(options); });
+    auto& sampler = keep<Sampler>(onDevice(), "bsdf", [&] { return std::make_shared<Sampler>(options); });
     const BsdfSamplingParameters parameters{sampler.sums.address(),
                                             THREADS,
                                             SAMPLES,

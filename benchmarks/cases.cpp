@@ -4,6 +4,7 @@
 #include "scene/gltf.h"
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <set>
 
@@ -20,6 +21,12 @@ int failedCases()
     return failed;
 }
 
+Kept& onDevice()
+{
+    static Kept kept;
+    return kept;
+}
+
 void add(const std::string& name, std::function<void(benchmark::State&)> run)
 {
     static std::set<std::string> names;
@@ -29,7 +36,7 @@ void add(const std::string& name, std::function<void(benchmark::State&)> run)
                                  [run = std::move(run)](benchmark::State& state) {
                                      try {
                                          run(state);
-                                     } catch (const Error& error) {
+                                     } catch (const std::exception& error) {
                                          state.SkipWithError(error.what());
                                          ++failed;
                                      }

@@ -41,8 +41,8 @@ void registerTracing(const Cases& cases);
 /// bsdf/MATERIAL: sampling, with evaluation of weight and pdf. Counter: samples a second.
 void registerBsdfs(const Cases& cases);
 
-/// Register one case; an Error of its own is reported as the case's error, and the rest goes on. Throws Error where
-/// another case has the name.
+/// Register one case; what it throws is reported as the case's error, and the rest goes on. Throws Error where another
+/// case has the name.
 void add(const std::string& name, std::function<void(benchmark::State&)> run);
 int failedCases();
 
@@ -52,19 +52,25 @@ std::map<std::string, std::string> namesOf(const std::vector<std::string>& files
 /// The scene of a file, loaded once.
 std::shared_ptr<const Scene> loadScene(const std::string& file);
 
-/// Google Benchmark calls a case several times until its iterations suffice: make what a case needs once, keep it until
-/// another case (another key) needs something. One is alive at a time, so that cases do not share memory or caches.
+/// Google Benchmark calls a case several times until its iterations suffice: what a case needs is made once.
+struct Kept {
+    std::string key;
+    std::shared_ptr<void> object;
+};
+
+/// The one object that holds a device: one is alive at a time, so that cases do not share its memory and caches.
+Kept& onDevice();
+
+/// What `kept` has under this key; else that is dropped, and a new one made. Keys of different types differ.
 template <typename T>
-T& keep(const std::string& key, const std::function<std::shared_ptr<T>()>& make)
+T& keep(Kept& kept, const std::string& key, const std::function<std::shared_ptr<T>()>& make)
 {
-    static std::string kept;
-    static std::shared_ptr<T> object;
-    if (kept != key || !object) {
-        object.reset();
-        object = make();
-        kept = key;
+    if (kept.key != key || !kept.object) {
+        kept.object.reset();
+        kept.object = make();
+        kept.key = key;
     }
-    return *object;
+    return *static_cast<T*>(kept.object.get());
 }
 
 }  // namespace restirpg::bench

@@ -40,7 +40,7 @@ std::shared_ptr<Renderer> makeRenderer(const GraphCase& c)
 
 void runGraph(benchmark::State& state, const GraphCase& c)
 {
-    auto& renderer = keep<Renderer>(c.key(), [&] { return makeRenderer(c); });
+    auto& renderer = keep<Renderer>(onDevice(), "graph\n" + c.key(), [&] { return makeRenderer(c); });
     std::map<std::string, double> passes;
     for (auto _ : state) {
         renderer.render(1);

@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <fstream>
 #include <string_view>
 
@@ -127,7 +128,7 @@ int main(int argc, char** argv)
 {
     try {
         return restirpg::bench::run(argc, argv);
-    } catch (const restirpg::Error& error) {
+    } catch (const std::exception& error) {
         restirpg::logInfo(fmt::format("restirpg_bench: {}", error.what()));
         return 2;
     }

@@ -57,7 +57,8 @@ struct Traced {
 
 Workload& workloadOf(const std::string& scene)
 {
-    return keep<Workload>(scene, [&] { return std::make_shared<Workload>(scene); });
+    static Kept kept;  // of the host alone
+    return keep<Workload>(kept, scene, [&] { return std::make_shared<Workload>(scene); });
 }
 
 /// Time `trace()`, host side: it returns when the rays are done.
@@ -90,7 +91,8 @@ void runEmbree(benchmark::State& state, const std::string& scene, Kind kind)
 void runDevice(benchmark::State& state, const std::string& scene, const DeviceOptions& options, Kind kind)
 {
     auto& workload = workloadOf(scene);
-    auto& traced = keep<Traced>(scene + options.backend, [&] { return std::make_shared<Traced>(options, workload); });
+    auto& traced = keep<Traced>(onDevice(), "trace\n" + scene + options.backend,
+                                [&] { return std::make_shared<Traced>(options, workload); });
     const auto& rays = workload.rays[kind];
     if (rays.empty())
         return state.SkipWithError("no triangle emits");
