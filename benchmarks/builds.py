@@ -56,7 +56,7 @@ def measure(graph, scene, size, frames):
     timed("frame", lambda: renderer.render(frames), frames)
     for name, after in renderer.total_gpu_times().items():
         rows[f"{name}, device"] = (after - before[name]) / frames
-    timed("second", lambda: restirpg.Renderer(loaded, described, size=size).render(1))
+    timed("second", lambda: restirpg.Renderer(loaded, described, size=size))
     return rows
 
 
@@ -167,7 +167,9 @@ def run(options):
 
 def main(arguments):
     """The command line. Returns the exit code."""
-    from restirpg.harness import program  # not at the top: a measuring process has an old build's package
+    import clone  # noqa: F401  (not at the top: a measuring process has an old build's package)
+
+    from restirpg.harness import program
 
     options = parse(arguments)
     return program.run("builds.py", lambda _: run(options))

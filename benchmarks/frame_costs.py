@@ -13,6 +13,8 @@ import csv
 import io
 import sys
 
+import clone  # noqa: F401
+
 import restirpg
 from restirpg.harness import files, jobs, program, render, statistics
 

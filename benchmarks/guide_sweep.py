@@ -14,9 +14,9 @@ error over seeds, and its change against the first graph, paired by seed:
 
 import argparse
 import sys
-from pathlib import Path
 
 import numpy as np
+from clone import ROOT
 
 from restirpg.harness import UserError, program, render
 from restirpg.harness.comparison import largest_knob
@@ -24,7 +24,6 @@ from restirpg.harness.guiding import passes_of
 from restirpg.harness.jobs import parse_method
 from restirpg.harness.statistics import luminance, mape_scale, ratio
 
-ROOT = Path(__file__).resolve().parents[1]
 GRAPHS = ROOT / "graphs"
 
 COLUMNS = ("frame", "mean", "candidates")

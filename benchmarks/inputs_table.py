@@ -1,23 +1,21 @@
 #!/usr/bin/python3
 """Measure every file of ../shared/inputs and write benchmarks/results/inputs: README.md and inputs.csv.
 
-    PYTHONPATH=build/python:tests/python benchmarks/inputs_table.py
+    benchmarks/inputs_table.py
 
 Rows, exact values and what commit aa3076d gave are those of tests/python/shared_inputs.csv, which
-tests/python/test_shared_inputs.py tests. Exit code 1 when a row is wrong.
+tests/python/test_shared_inputs.py tests. Exit code: 0; 1 when a row is wrong; 2 where there is nothing to measure.
 """
 
+import argparse
 import csv
 import io
 import sys
-from pathlib import Path
 
-from shared_inputs import Fault, Refused, is_right, measure, rows, shared_folder
+from clone import ROOT
 
-from restirpg.harness import files
+from restirpg.harness import UserError, files, program, render
 from restirpg.harness.report import commit
-
-ROOT = Path(__file__).resolve().parents[1]
 
 RESULTS = ROOT / "benchmarks" / "results" / "inputs"
 HEAD = """# The inputs of ../shared/inputs
@@ -46,34 +44,57 @@ def exact(row):
     return (f"{row.expected} ± {row.tolerance}" if float(row.tolerance) else row.expected) + choice
 
 
-def text(value):
-    """A measured value for the table."""
-    if isinstance(value, Refused):
-        return f"refused: {value.replace(f'{shared_folder()}/inputs/', '')[:100]}"
-    return str(value) if isinstance(value, Fault) else f"{value:.4g}"
+def text(inputs, value):
+    """A measured value for the table. inputs: the module shared_inputs."""
+    if isinstance(value, inputs.Refused):
+        return f"refused: {value.replace(f'{inputs.shared_folder()}/inputs/', '')[:100]}"
+    return str(value) if isinstance(value, inputs.Fault) else f"{value:.4g}"
 
 
-def main():
-    """Measure, print and write."""
-    if shared_folder() is None:
-        sys.exit("inputs_table.py: ../shared/inputs is not there; name its parent folder in RESTIRPG_SHARED")
-    lines, table, wrong = [], [], 0
-    for row in rows():
-        value = measure(row)
-        right = is_right(row, value)
-        wrong += not right
-        line = [row.name, row.quantity, exact(row), row.source, row.was, text(value), "right" if right else "WRONG"]
-        table.append(line)
-        lines.append("| " + " | ".join(cell.replace("|", " or ") for cell in line) + " |")
-        print(*lines[-1:], flush=True)
-    head = HEAD.format(commit=commit(), right=len(lines) - wrong, all=len(lines))
-    files.write(RESULTS / "README.md", head + "\n".join(lines) + "\n")
+def measured():
+    """The rows of the table, each a list of its cells; printed as they come."""
+    sys.path.append(str(ROOT / "tests" / "python"))
+    import shared_inputs as inputs
+
+    if inputs.shared_folder() is None:
+        raise UserError("../shared/inputs is not there; name its parent folder in RESTIRPG_SHARED")
+    table = []
+    for row in inputs.rows():
+        value = inputs.measure(row)
+        verdict = "right" if inputs.is_right(row, value) else "WRONG"
+        table.append([row.name, row.quantity, exact(row), row.source, row.was, text(inputs, value), verdict])
+        print(as_markdown(table[-1]), flush=True)
+    return table
+
+
+def as_markdown(cells):
+    """A row of the page's table."""
+    return "| " + " | ".join(cell.replace("|", " or ") for cell in cells) + " |"
+
+
+def write_table():
+    """Measure, print and write. Returns the exit code."""
+    table = measured()
+    right = sum(row[-1] == "right" for row in table)
+    head = HEAD.format(commit=commit(), right=right, all=len(table))
+    files.write(RESULTS / "README.md", head + "\n".join(map(as_markdown, table)) + "\n")
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(("input", "quantity", "exact", "source", "before", "after", "verdict"))
     writer.writerows(table)
     files.write(RESULTS / "inputs.csv", stream.getvalue())
-    return 1 if wrong else 0
+    return 0 if right == len(table) else 1
+
+
+def main():
+    """The command line. Returns the exit code."""
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
+
+    def body(_):
+        render.find_package()
+        return write_table()
+
+    return program.run("inputs_table.py", body)
 
 
 if __name__ == "__main__":

@@ -25,20 +25,19 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from restirpg.harness import UserError, files, program, render, scenes
+import clone
 
-ROOT = Path(__file__).resolve().parents[1]
+from restirpg.harness import UserError, files, program, render, scenes
 
 SMALL = ["--size", "16x9", "--frames", "2", "--seeds", "2", "--reference-frames", "8", "--reference-batches", "2"]
 
 
 def render_command(scene, folder):
     """A picture as EXR and PNG."""
-    binary = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build")) / "bin" / "restirpg"
     return [
-        str(binary),
+        str(clone.program()),
         "render",
-        str(ROOT / "graphs" / "restir_pt.py"),
+        str(clone.ROOT / "graphs" / "restir_pt.py"),
         "--scene",
         scene,
         "--size",
@@ -54,10 +53,10 @@ def render_command(scene, folder):
 
 def compare_command(scene, folder):
     """Two methods, their runs, references and pictures."""
-    graphs = [str(ROOT / "graphs" / name) for name in ("path_tracer.py", "restir_di.py")]
+    graphs = [str(clone.ROOT / "graphs" / name) for name in ("path_tracer.py", "restir_di.py")]
     return [
         sys.executable,
-        str(ROOT / "scripts" / "compare.py"),
+        str(clone.ROOT / "scripts" / "compare.py"),
         *graphs,
         "--scenes",
         scene,
@@ -70,7 +69,7 @@ def compare_command(scene, folder):
 def reproduce_command(scene, folder):
     """Runs of four methods, and calls."""
     what = ["figure", "5", "table", "1", "--quick", "--scenes", scene]
-    return [sys.executable, str(ROOT / "scripts" / "reproduce.py"), *what, *SMALL, "--out", str(folder)]
+    return [sys.executable, str(clone.ROOT / "scripts" / "reproduce.py"), *what, *SMALL, "--out", str(folder)]
 
 
 COMMANDS = {"render": render_command, "compare": compare_command, "reproduce": reproduce_command}
@@ -125,24 +124,36 @@ def started(command, environment):
         process.stderr.close()
 
 
-def run_whole(command, environment):
-    """(seconds, line of failure or None) of a command that nobody kills."""
+def run_to_end(command, environment, moment=None):
+    """(seconds, line of failure or None) of a command that ended by itself; (None, None) where it had to be killed after
+    `moment` seconds."""
     start = time.monotonic()
     with started(command, environment) as process:
-        errors = process.communicate()[1].splitlines()
+        try:
+            errors = process.communicate(timeout=moment)[1].splitlines()
+        except subprocess.TimeoutExpired:
+            return None, None
     failure = f"ended with {process.returncode}: {errors[-1] if errors else ''}" if process.returncode else None
     return time.monotonic() - start, failure
 
 
-def time_to_end(command, environment, moment):
-    """Seconds until the command ended by itself; None where it had to be killed after `moment` seconds."""
-    start = time.monotonic()
-    with started(command, environment) as process:
-        try:
-            process.communicate(timeout=moment)
-            return time.monotonic() - start
-        except subprocess.TimeoutExpired:
-            return None
+def kill_until_it_ends(command, environment, kills, draws, seconds):
+    """Start the command until it ends by itself before a moment within `seconds`, or was killed `kills` times.
+    Returns (how often it was killed, how long its end took or None, line of failure or None)."""
+    for killed in range(kills):
+        ended, failure = run_to_end(command, environment, draws.uniform(0, seconds))
+        if ended is not None:
+            return killed, ended, failure
+    return kills, None, None
+
+
+def fault_in(folder, found, right):
+    """What is wrong with a round's folder, where these numbers were found: the end of a line, or ""."""
+    if found != right:
+        differing = sorted(name for name in right.keys() | found.keys() if right.get(name) != found.get(name))
+        return f": {', '.join(differing)} differ"
+    parts = unfinished_in(folder)
+    return f": left {', '.join(parts)}" if parts else ""
 
 
 def torture(command_for, folder, kills, draws, numbers, environment):
@@ -150,7 +161,7 @@ def torture(command_for, folder, kills, draws, numbers, environment):
     numbers(folder): what must be the same; environment(folder): its environment."""
     whole = folder / "whole"
     whole.mkdir(parents=True)
-    seconds, failure = run_whole(command_for(whole), environment(whole))
+    seconds, failure = run_to_end(command_for(whole), environment(whole))
     if failure:
         raise UserError(f"{command_for(whole)[1]}: without any kill it {failure}")
     right = numbers(whole)
@@ -158,25 +169,29 @@ def torture(command_for, folder, kills, draws, numbers, environment):
     while outcome.kills < kills:
         own = folder / f"round_{outcome.rounds + 1}"
         own.mkdir()
-        for nth in range(kills - outcome.kills):
-            ended = time_to_end(command_for(own), environment(own), draws.uniform(0, seconds))
-            if ended is not None:
-                if nth == 0:  # from the start, undisturbed: a machine that was busy at first must not make kills rare
-                    seconds = min(seconds, ended)
-                break
-            outcome.kills += 1
-        _, failure = run_whole(command_for(own), environment(own))  # its end, or, after it, once more
+        command, variables = command_for(own), environment(own)
+        killed, ended, failure = kill_until_it_ends(command, variables, kills - outcome.kills, draws, seconds)
+        outcome.kills += killed
+        if killed == 0 and not failure:  # undisturbed: a machine that was busy at first must not make kills rare
+            seconds = min(seconds, ended)
+        if not failure:
+            _, failure = run_to_end(command, variables)  # its end, or, after it, once more
         outcome.rounds += 1
-        if failure:
-            outcome.wrong.append(f"round {outcome.rounds} {failure}")
-        elif (found := numbers(own)) != right:
-            differing = sorted(name for name in right.keys() | found.keys() if right.get(name) != found.get(name))
-            outcome.wrong.append(f"round {outcome.rounds}: {', '.join(differing)} differ")
-        elif parts := unfinished_in(own):
-            outcome.wrong.append(f"round {outcome.rounds}: left {', '.join(parts)}")
+        if fault := f" {failure}" if failure else fault_in(own, numbers(own), right):
+            outcome.wrong.append(f"round {outcome.rounds}{fault}")
         else:
             shutil.rmtree(own)
+        if failure and killed == 0:  # it fails by itself now, and would for ever
+            break
     return outcome
+
+
+def with_caches(folder):
+    """The environment of a program whose compiled kernels, ours and Mesa's, are kept below `folder` alone."""
+    names = {"RESTIRPG_CACHE_DIR": folder / "kernels", "MESA_SHADER_CACHE_DIR": folder / "mesa"}
+    for own in names.values():
+        own.mkdir(parents=True, exist_ok=True)  # Mesa makes no parents, and would keep nothing
+    return {**os.environ, **{name: str(own) for name, own in names.items()}}
 
 
 def parse(arguments):
@@ -204,8 +219,7 @@ def main(arguments):
         def environment(folder):
             # Not in the folder: what a kill leaves unfinished there stays until another kernel is written, which may be
             # never.
-            own = "warm" if options.warm else folder.relative_to(out)
-            return {**os.environ, "RESTIRPG_CACHE_DIR": str(out / "kernels" / own)}
+            return with_caches(out / "caches" / ("warm" if options.warm else folder.relative_to(out)))
 
         lines = [
             "| program | undisturbed | files compared | kills | rounds | rounds that differ or fail |",

@@ -15,12 +15,12 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from clone import ROOT
 
 import restirpg
 from restirpg.harness import UserError, files, program, render
 from restirpg.harness.paper import page, pictures
 
-ROOT = Path(__file__).resolve().parents[1]
 NAMES = {
     "restir_pt": "no guiding",
     "raw_pt_derevyannykh2022": "Derevyannykh 2022",

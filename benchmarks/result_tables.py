@@ -22,10 +22,11 @@ import shlex
 import sys
 from pathlib import Path
 
+from clone import ROOT
+
 from restirpg.harness import UserError, files, program, statistics
 from restirpg.nearest import did_you_mean
 
-ROOT = Path(__file__).resolve().parents[1]
 MARKED = re.compile(r"(<!-- table: (?P<file>\S+) (?P<options>.*?) -->\n)\n?(?:\|.*\n)*\n*")
 OPTIONS = {"frame", "value", "against", "methods", "scenes"}
 

@@ -2,8 +2,8 @@
 """How fast the live viewer is: frames a second, time from an input to the picture that shows it, and what a frame costs
 beyond rendering.
 
-    PYTHONPATH=build/python benchmarks/viewer.py --scene FILE [--graph FILE ...] [--size WxH ...] [--seconds 20]
-    PYTHONPATH=build/python benchmarks/viewer.py --scene FILE [--graph FILE ...] [--size WxH] --monkey 600 [--seed 1]
+    benchmarks/viewer.py --scene FILE [--graph FILE ...] [--size WxH ...] [--seconds 20]
+    benchmarks/viewer.py --scene FILE [--graph FILE ...] [--size WxH] --monkey 600 [--seed 1]
 
 A tab over the loopback network that shows each picture at once, as a browser does but for decoding and drawing, turns
 the camera now and then. Printed is one row of a table for each graph and size. With --monkey the graphs are looked at
@@ -21,11 +21,11 @@ from pathlib import Path
 
 import aiohttp
 import viewer_monkey
+from clone import ROOT
 
 import restirpg
 from restirpg.harness import program, render
 
-ROOT = Path(__file__).resolve().parents[1]
 BETWEEN = 5  # frames from one move to the next
 
 

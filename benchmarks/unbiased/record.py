@@ -18,6 +18,7 @@ import sys
 import time
 from pathlib import Path
 
+from clone import ROOT
 from report import as_json, as_markdown, findings_of
 from runs import Case, MethodRuns, ReferenceBatches
 
@@ -26,8 +27,6 @@ from restirpg.harness.comparison import largest_knob
 from restirpg.harness.jobs import parse_method
 from restirpg.harness.motion import Motion
 from restirpg.harness.unbiased import compare
-
-ROOT = Path(__file__).resolve().parents[2]
 
 
 def size(text):

@@ -204,6 +204,44 @@ def test_different_numbers_after_a_kill_are_told(tmp_path):
     assert outcome.wrong == ["round 1: starts differ"]
 
 
+def test_a_start_after_a_kill_that_fails_is_wrong_whatever_the_next_one_says(tmp_path):
+    """The second start in a folder, which is the first after a kill, fails; the third would not."""
+    script = (
+        "import sys, time; file = open(sys.argv[1] + '/starts', 'a+'); file.write('x'); file.seek(0)\n"
+        "starts = len(file.read()); file.close(); time.sleep(0.6 if starts == 1 else 0); sys.exit(3 * (starts == 2))"
+    )
+    outcome = kills.torture(
+        lambda folder: [sys.executable, "-c", script, str(folder)],
+        tmp_path,
+        2,
+        SimpleNamespace(uniform=lambda low, high: (low + high) / 2),
+        lambda folder: {},
+        lambda folder: None,
+    )
+    assert (outcome.kills, outcome.wrong) == (2, ["round 1 ended with 3: ", "round 2 ended with 3: "][: outcome.rounds])
+    assert outcome.wrong
+
+
+def test_a_program_that_fails_without_a_kill_ends_its_case(tmp_path):
+    script = "import sys; sys.exit(sys.argv[1].endswith('round_1'))"
+    outcome = kills.torture(
+        lambda folder: [sys.executable, "-c", script, str(folder)],
+        tmp_path,
+        5,
+        SimpleNamespace(uniform=lambda low, high: 60.0),
+        lambda folder: {},
+        lambda folder: None,
+    )
+    assert (outcome.kills, outcome.wrong) == (0, ["round 1 ended with 1: "])
+
+
+def test_a_round_begins_without_compiled_kernels_of_either_kind(tmp_path):
+    found = kills.with_caches(tmp_path / "round_1")
+    for name in ("RESTIRPG_CACHE_DIR", "MESA_SHADER_CACHE_DIR"):
+        folder = Path(found[name])
+        assert folder.is_relative_to(tmp_path / "round_1") and folder.is_dir() and not list(folder.iterdir())
+
+
 def test_what_a_kill_left_unfinished_is_told(tmp_path):
     for name in ("a.exr", ".restirpg-host-7-0.tmp", "images/.b.png.host.7.part"):
         (tmp_path / name).parent.mkdir(exist_ok=True)

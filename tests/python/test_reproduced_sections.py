@@ -73,7 +73,8 @@ class MadeUpPaper:
 
     def answers(self, calls):
         bytes_of = {"bytes": {"vertex": 16, "guide": 160, "statistics": 152}}
-        return [{"averages": np.ones((2, 5, 2, 3)), "guiding": np.ones((2, 5)), "meta": bytes_of} for _ in calls]
+        made_up = {"averages": np.ones((2, 5, 2, 3)), "cells": np.ones((2, 5, 2)), "guiding": np.ones((2, 5))}
+        return [{**made_up, "meta": bytes_of} for _ in calls]
 
 
 @pytest.mark.parametrize("name", [name for name in experiments.BY_NAME if name != "figure 4"])
@@ -219,8 +220,9 @@ def test_memory_of_cells_is_their_number_times_their_bytes():
 
 def test_table_1_keeps_restir_and_raw_apart():
     averages = np.array([[[[6.0, 5, 4], [3, 2, 1]]]] * 2)
-    row = table_1.row_of("scene", averages)
-    assert [cell.mean for cell in row[1:]] == [6, 3, 2, 5, 2, 2.5, 4, 1, 4]
+    cells = np.array([[[40, 30]], [[44, 32]]])
+    row = table_1.row_of("scene", averages, cells)
+    assert [cell.mean for cell in row[1:]] == [42, 31, 6, 3, 2, 5, 2, 2.5, 4, 1, 4]
 
 
 def test_variants_of_an_ablation_have_their_own_rows():

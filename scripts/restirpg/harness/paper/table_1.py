@@ -25,10 +25,11 @@ def cell_call(paper, scene, **settings):
     )
 
 
-def row_of(scene, averages):
-    """ReSTIR, raw and their ratio for each average, over seeds. averages: (seeds, frames, 2, 3)."""
+def row_of(scene, averages, cells):
+    """How many cells ReSTIR and raw candidates touch; ReSTIR, raw and their ratio for each average; over seeds.
+    averages: (seeds, frames, 2, 3); cells: (seeds, frames, 2)."""
     means = averages.mean(1)
-    row = [scene]
+    row = [scene, *map(estimate, cells.mean(1).T)]
     for at in range(len(AVERAGES)):
         restir, raw = means[:, 0, at], means[:, 1, at]
         row += [estimate(values) for values in (restir, raw, restir / raw)]
@@ -41,8 +42,8 @@ def run(paper):
     scenes = paper.scenes()
     for scene, answer in zip(scenes, paper.answers([cell_call(paper, scene) for scene in scenes])):
         if answer:
-            rows.append(row_of(name_of(scene), answer["averages"]))
-    header = ["scene"]
+            rows.append(row_of(name_of(scene), answer["averages"], answer["cells"]))
+    header = ["scene", "ReSTIR, cells", "raw, cells"]
     for average in AVERAGES:
         header += [f"ReSTIR, {average}", f"raw, {average}", f"ratio, {average}"]
     text = (
