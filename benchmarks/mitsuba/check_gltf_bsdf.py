@@ -113,7 +113,7 @@ def main():
     wrong = chi_square(Uneven(**MATERIALS["metal"]), 0.8)
     if wrong * len(tests) >= LEVEL:
         failures += 1
-        print(f"chi-square: a roughness 5% too large is not found, p = {wrong:.2g}")
+        print(f"chi-square: an alpha 5% too large is not found, p = {wrong:.2g}")
     for name, material, cosines in FURNACES:
         for cosine in cosines:
             mean, error = albedo(GltfBsdf(**material), cosine)

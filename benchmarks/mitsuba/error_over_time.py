@@ -21,19 +21,21 @@ import hashlib
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
+import clone
 import numpy as np
+import requirements
 from finished_rows import append_row, read_rows
 from gltf_edits import environment_of, read_glb
 
 import restirpg
-from restirpg.harness import UserError, program
+from restirpg.harness import UserError, files, program
 from restirpg.harness.render import code_version, find_package, refusals
-from restirpg.harness.statistics import luminance, mape_scale
+from restirpg.harness.statistics import luminance, mape_scale, mean_se
 
-ROOT = Path(__file__).resolve().parents[2]
 COLUMNS = ("scene", "method", "size", "bounces", "samples", "seed", "seconds", "mape")
 MITSUBA, PATH_TRACER = "mitsuba", "path_tracer"
 REFERENCE_SEED = 1000
@@ -45,8 +47,15 @@ def render(method, scene, samples, seed, out, options):
         command = [options.mitsuba_python, options.converter, scene, out, "--spp", samples]
         command += ["--depth", options.bounces + 2, "--res", options.size, "--seed", seed]
     else:
-        renderer = Path(os.environ.get("RESTIRPG_BUILD", ROOT / "build")) / "bin" / "restirpg"
-        command = [renderer, "render", ROOT / "graphs" / f"{method}.py", "--scene", scene, "--size", options.size]
+        command = [
+            clone.program(),
+            "render",
+            clone.ROOT / "graphs" / f"{method}.py",
+            "--scene",
+            scene,
+            "--size",
+            options.size,
+        ]
         command += ["--bounces", options.bounces, "--frames", samples, "--seed", seed, "-o", out]
         command += ["--output", "image", "--set", "gbuffer.jitter=true"]
     start = time.monotonic()
@@ -69,13 +78,26 @@ def read_image(file):
     return restirpg.read_exr(file)[..., :3].astype(float)
 
 
+def check(options):
+    """Raise UserError where something is missing, before anything long starts."""
+    for scene in options.scenes:
+        if environment_of(read_glb(scene)[0]):
+            raise UserError(
+                f"{scene}: it has an environment, which the converter would have to be given; give another scene"
+            )
+    if options.scenes:
+        requirements.check(options)
+        files.make_folder(options.references, "--references")
+
+
 def measure(scene, options):
     """Append the rows of one scene."""
-    if environment_of(read_glb(scene)[0]):
-        raise UserError(
-            f"{scene}: it has an environment, which the converter would have to be given; give another scene"
-        )
-    options.references.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=options.references, prefix="unfinished-") as folder:
+        measure_in(Path(folder), scene, options)
+
+
+def references_of(scene, folder, options):
+    """{method: its reference}, rendered where there is none yet."""
     references = {}
     for method in (MITSUBA, PATH_TRACER):
         code = "" if method == MITSUBA else f"_{code_version()[:16]}"
@@ -83,10 +105,16 @@ def measure(scene, options):
         name = f"{scene.stem}_{content}_{options.size}_cap{options.bounces}_{options.reference_samples}_{method}{code}"
         file = options.references / f"{name}.exr"
         if not file.is_file():
-            unfinished = file.with_suffix(".part.exr")
+            unfinished = folder / file.name
             render(method, scene, options.reference_samples, REFERENCE_SEED, unfinished, options)
             unfinished.replace(file)
         references[method] = read_image(file)
+    return references
+
+
+def measure_in(folder, scene, options):
+    """The same, with what is being written in a folder of this process's own."""
+    references = references_of(scene, folder, options)
     finished = {tuple(row[name] for name in COLUMNS[:6]) for row in read_rows(options.csv)}
     runs = [
         (scene.stem, method, options.size, options.bounces, samples, seed)
@@ -96,46 +124,51 @@ def measure(scene, options):
     ]
     runs = [run for run in runs if tuple(map(str, run)) not in finished]
     for method in dict.fromkeys(run[1] for run in runs):
-        render(method, scene, 2, 0, options.references / "warm.exr", options)
+        render(method, scene, 2, 0, folder / "warm.exr", options)
     for run in runs:
         _, method, *_, samples, seed = run
-        file = options.references / "run.exr"
+        file = folder / "run.exr"
         seconds = render(method, scene, samples, seed, file, options)
         mape = mape_of(read_image(file), references[MITSUBA if method == MITSUBA else PATH_TRACER])
         append_row(options.csv, COLUMNS, (*run, f"{seconds:.3f}", f"{mape:.5f}"))
 
 
+def shown(runs):
+    """Wall time and MAPE of a method's rows, with standard errors over seeds where there are several."""
+    parts = []
+    for name, scale, unit in (("seconds", 1, ""), ("mape", 100, "%")):
+        mean, error = mean_se([scale * float(row[name]) for row in runs])
+        parts.append(f"{mean:.1f}{'' if np.isnan(error) else f' ± {error:.1f}'}{unit}")
+    return ", ".join(parts)
+
+
 def print_tables(path):
-    """A table per scene: rows are numbers of samples; wall time and MAPE of each method, means over seeds."""
-    rows = read_rows(path)
-    for scene in dict.fromkeys(row["scene"] for row in rows):
-        runs = {}
-        for row in rows:
-            if row["scene"] == scene:
-                cell = runs.setdefault(int(row["samples"]), {}).setdefault(row["method"], [])
-                cell.append((float(row["seconds"]), float(row["mape"])))
-        methods = list(dict.fromkeys(row["method"] for row in rows if row["scene"] == scene))
-        print(f"\n| {scene}: samples | {' | '.join(f'{method}: s, MAPE' for method in methods)} |")
+    """A table per scene, size and cap: rows are numbers of samples; wall time and MAPE of each method, over seeds."""
+    cases = {}
+    for row in read_rows(path):
+        cases.setdefault((row["scene"], row["size"], row["bounces"]), []).append(row)
+    for (scene, size, bounces), rows in cases.items():
+        methods = list(dict.fromkeys(row["method"] for row in rows))
+        titles = " | ".join(f"{method}: s, MAPE" for method in methods)
+        print(f"\n| {scene}, {size}, cap {bounces}: samples | {titles} |")
         print("| --- " * (1 + len(methods)) + "|")
-        for samples in sorted(runs):
-            means = {method: np.mean(cell, axis=0) for method, cell in runs[samples].items()}
-            cells = [f"{means[m][0]:.1f}, {100 * means[m][1]:.1f}%" if m in means else "" for m in methods]
-            print(f"| {samples} | {' | '.join(cells)} |")
+        for samples in sorted({int(row["samples"]) for row in rows}):
+            runs = [[row for row in rows if (row["method"], int(row["samples"])) == (m, samples)] for m in methods]
+            print(f"| {samples} | {' | '.join(shown(some) if some else '' for some in runs)} |")
 
 
 def parse_arguments():
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="*", type=Path)
-    parser.add_argument("--mitsuba-python", help="the Python of an environment that has Mitsuba 3")
-    parser.add_argument("--converter", type=Path, default=ROOT.parent / "shared" / "tools" / "gltf_to_mitsuba.py")
+    requirements.add_options(parser)
     parser.add_argument("--csv", type=Path, required=True)
     parser.add_argument("--methods", nargs="+", default=[MITSUBA, PATH_TRACER, "restir_pg"])
     parser.add_argument("--size", default="160x90")
     parser.add_argument("--bounces", type=program.bounces, default=4)
     parser.add_argument("--samples", type=program.positive, nargs="+", default=[4, 16, 64, 256])
     parser.add_argument("--seeds", type=program.positive, default=2)
-    parser.add_argument("--references", type=Path, default=Path("out/mitsuba_references"))
+    parser.add_argument("--references", type=Path, default=clone.ROOT / "out" / "mitsuba_references")
     parser.add_argument("--reference-samples", type=program.positive, default=2048)
     options = parser.parse_args()
     if options.scenes and not options.mitsuba_python:
@@ -149,6 +182,7 @@ def main():
 
     def body(_):
         find_package()
+        check(options)
         with refusals():
             for scene in options.scenes:
                 measure(scene, options)

@@ -59,9 +59,14 @@ def make_diffuse(document):
     return document
 
 
+def environment_settings(document):
+    """The renderer's own settings in a document, a dictionary: environment, strength, rotation ..."""
+    return document.get("asset", {}).get("extras", {}).get("restirpg", {})
+
+
 def environment_of(document):
-    """The scene's own environment (asset extras "restirpg"): None, a list of three numbers, or a file name."""
-    return document.get("asset", {}).get("extras", {}).get("restirpg", {}).get("environment")
+    """The scene's own environment: None, a list of three numbers, or a file name."""
+    return environment_settings(document).get("environment")
 
 
 def environment_for_mitsuba(radiance):

@@ -13,25 +13,55 @@ sample implementation, from which the renderer deviates (head of bsdf_model.glsl
 """
 
 import argparse
+import functools
 import sys
 import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
-from compare_with_mitsuba import ROOT, prepare, render_mitsuba, render_ours
+import requirements
+from compare_with_mitsuba import check_scenes, prepare, render_mitsuba, render_ours
 from finished_rows import append_row, read_rows
+from gltf_edits import environment_of, read_glb
 
-from restirpg.harness import program
+from restirpg.harness import UserError, program, report
+from restirpg.harness.jobs import digest
 from restirpg.harness.render import find_package, refusals
 
-#: What tells runs apart; a file from before the last two were noted has none of them.
-KEY = ("scene", "renderer", "seed", "width", "height", "bounces", "samples", "environment", "backend")
+#: What tells runs apart; a file from before the last four were noted has none of them. `content`: a hash of the scene
+#: and its environment.
+KEY = (
+    "scene",
+    "renderer",
+    "seed",
+    "width",
+    "height",
+    "bounces",
+    "samples",
+    "environment",
+    "backend",
+    "commit",
+    "content",
+)
+#: A table has one row for each of these at most: others would count the same random numbers twice.
+RUN = ("renderer", "width", "height", "seed")
 COLUMNS = (*KEY, "r", "g", "b", "seconds")
 HEADER = (
     "| scene | cap | runs and paths, ours | Mitsuba | image mean, ours | Mitsuba | ours / Mitsuba "
     "| ours / literal glTF |\n" + "| --- " * 8 + "|"
 )
+
+
+@functools.cache
+def content_of(path, environment):
+    """A hash of a scene and of the image around it."""
+    image = environment or environment_of(read_glb(path)[0])
+    file = (Path(environment) if environment else path.parent / image) if isinstance(image, str) else None
+    return digest(path.read_bytes() + (file.read_bytes() if file and file.is_file() else b""))[:16]
+
+
+commit = functools.cache(report.commit)
 
 
 def key_of(path, renderer, seed, options):
@@ -47,6 +77,8 @@ def key_of(path, renderer, seed, options):
         samples,
         options.environment or "",
         backend or "",
+        commit(),
+        content_of(path, options.environment),
     )
 
 
@@ -101,8 +133,25 @@ def paths(rows):
     return f"{len(rows)}, {count / 1e6:.2g} M"
 
 
-def print_table(rows):
-    """One row a scene, environment and cap with two runs of each renderer or more, of whatever size and back end."""
+def check_runs(rows, file):
+    """Raise UserError where two rows of what is compared are the same run under other settings."""
+    found = {}
+    for row in rows:
+        other = found.setdefault(tuple(row[name] for name in RUN), row)
+        if other is not row:
+            changed = [
+                f"{name} {other.get(name) or 'none'} and {row.get(name) or 'none'}"
+                for name in KEY
+                if (other.get(name) or "") != (row.get(name) or "")
+            ]
+            raise UserError(
+                f"{file}: {row['scene']}: two rows are of {row['renderer']}, {row['width']}x{row['height']}, seed "
+                f"{row['seed']}: {', '.join(changed) or 'and alike'}; remove one of them, or give another file in --csv"
+            )
+
+
+def print_table(rows, file):
+    """One row a scene, environment and cap with two runs of each renderer or more, of whatever size. Raises UserError."""
     print(HEADER)
 
     def shown(row):
@@ -110,6 +159,7 @@ def print_table(rows):
 
     for scene, bounces in dict.fromkeys(map(shown, rows)):
         chosen = [row for row in rows if shown(row) == (scene, bounces)]
+        check_runs(chosen, file)
         ours, theirs = ([row for row in chosen if row["renderer"] == name] for name in ("ours", "mitsuba"))
         if min(len(ours), len(theirs)) < 2:
             continue
@@ -133,8 +183,7 @@ def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="*", type=Path)
     parser.add_argument("--csv", type=Path, required=True)
-    parser.add_argument("--mitsuba-python", help="the Python of an environment that has Mitsuba 3")
-    parser.add_argument("--converter", type=Path, default=ROOT.parent / "shared" / "tools" / "gltf_to_mitsuba.py")
+    requirements.add_options(parser)
     parser.add_argument("--variant", default="llvm_ad_rgb", help="of Mitsuba; LLVM's needs DRJIT_LIBLLVM_PATH")
     parser.add_argument("--only", choices=("ours", "mitsuba", "literal"))
     parser.add_argument("--environment", help="r,g,b or an .exr or .hdr file; default: what the scene names")
@@ -154,12 +203,15 @@ def parse_arguments():
 
 def measure(options):
     """Render what is asked for, then print the table of all runs in the file. Returns the exit code."""
+    check_scenes(options)
+    if options.scenes and options.only != "ours":
+        requirements.check(options)
     for path in options.scenes:
         for renderer in (options.only,) if options.only else ("ours", "mitsuba"):
             for seed in options.seeds:
                 if not is_finished(path, renderer, seed, options):
                     run_seed(path, renderer, seed, options)
-    print_table(read_rows(options.csv))
+    print_table(read_rows(options.csv), options.csv)
     return 0
 
 

@@ -7,13 +7,16 @@ For compare_with_mitsuba.py. Mitsuba's spot falls off linearly in the angle, glT
 black shroud stops the spot's light where they differ, and lets out only what leaves within the inner cone.
 """
 
+import argparse
 import math
 import sys
 from pathlib import Path
 
+import clone  # noqa: F401
 import numpy as np
 from gltf_edits import read_glb, write_glb
 
+from restirpg.harness import program
 from restirpg.scenes import shapes
 from restirpg.scenes.gltf import SceneFile, Texture, emitter, lambert, look_at
 
@@ -85,14 +88,19 @@ def open_below(document, binary, name):
 
 
 def main():
-    """Write the scene to the folder given."""
-    if len(sys.argv) != 2:
-        sys.exit(__doc__)
-    path = room().write(Path(sys.argv[1]))
-    document, binary = read_glb(path)
-    binary = open_below(document, binary, "Shroud")
-    print(write_glb(path, add_lights(document), binary))
+    """Write the scene to the folder given. Returns the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    folder = parser.parse_args().folder
+
+    def body(_):
+        path = room().write(folder)
+        document, binary = read_glb(path)
+        print(write_glb(path, add_lights(document), open_below(document, binary, "Shroud")))
+        return 0
+
+    return program.run("light_scene.py", body)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -11,6 +11,7 @@ import pytest
 from renderer_scenes import ROOT
 
 from restirpg.harness import UserError
+from restirpg.harness.render import native_file
 
 #: Programs, and arguments that name a scene which is not there.
 PROGRAMS = {
@@ -23,9 +24,26 @@ PROGRAMS = {
 }
 
 
+#: Of a shell that has set nothing up, but for the build that is tested.
+ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+ENVIRONMENT["RESTIRPG_BUILD"] = str(native_file().parents[2])
+
+
 def run(folder, name, *arguments, **environment):
     command = [sys.executable, ROOT / "benchmarks" / name, *map(str, arguments)]
-    return subprocess.run(command, cwd=folder, env={**os.environ, **environment}, capture_output=True, text=True)
+    return subprocess.run(command, cwd=folder, env={**ENVIRONMENT, **environment}, capture_output=True, text=True)
+
+
+def programs():
+    """Names of all that are run by the distribution's Python."""
+    folder = ROOT / "benchmarks"
+    return sorted(str(file.relative_to(folder)) for file in folder.rglob("*.py") if os.access(file, os.X_OK))
+
+
+@pytest.mark.parametrize("name", programs())
+def test_every_program_tells_its_options_in_a_shell_that_set_nothing_up(tmp_path, name):
+    done = run(tmp_path, name, "--help")
+    assert done.returncode == 0 and done.stdout.startswith("usage: ") and not done.stderr, done.stderr
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
@@ -36,7 +54,7 @@ def test_a_missing_scene_is_one_line(tmp_path, name):
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_an_unbuilt_package_is_one_line(tmp_path, name):
-    done = run(tmp_path, name, *PROGRAMS[name], PYTHONPATH=f"{ROOT}/scripts", RESTIRPG_BUILD=str(tmp_path))
+    done = run(tmp_path, name, *PROGRAMS[name], RESTIRPG_BUILD=str(tmp_path))
     assert done.returncode == 2 and "build it with scripts/run" in done.stderr, done.stderr
     assert done.stderr.count("\n") == 1
 
@@ -46,6 +64,29 @@ def test_a_file_that_is_no_glb_is_one_line(tmp_path, name):
     (tmp_path / "absent.glb").write_text('{"asset": {"version": "2.0"}}')
     done = run(tmp_path, name, *PROGRAMS[name])
     assert done.returncode == 2 and "absent.glb: no .glb file" in done.stderr and done.stderr.count("\n") == 1
+
+
+MITSUBA = [name for name in PROGRAMS if name.startswith("mitsuba/")]
+
+
+@pytest.mark.parametrize("name", MITSUBA)
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        (["--converter", "absent.py"], "absent.py: there is no converter"),
+        (["--converter", __file__, "--mitsuba-python", "no-such-python"], "no-such-python: no such program"),
+        (["--converter", __file__, "--mitsuba-python", "false"], "false: it cannot import mitsuba"),
+    ],
+)
+def test_without_mitsuba_or_a_converter_nothing_is_rendered(tmp_path, scene_file, name, options, words):
+    arguments = [
+        scene_file if word == "absent.glb" else word for word in PROGRAMS[name] if word not in ("--only", "ours")
+    ]
+    given = ["--mitsuba-python", "python3", *options] if "--mitsuba-python" not in options else options
+    done = run(tmp_path, name, *arguments, *given)
+    assert (done.returncode, done.stdout) == (2, "") and words in done.stderr and done.stderr.count("\n") == 1, (
+        done.stderr
+    )
 
 
 @pytest.mark.parametrize("option", ["--runs", "--mitsuba-runs"])
