@@ -1,12 +1,14 @@
 # shellcheck shell=bash
-# Sourced by scripts/run and scripts/test: puts a machine in a state to build and run, then builds.
+# Sourced by scripts/run, scripts/test and benchmarks/gpu_check: puts a machine in a state to build and run, then builds.
 #   install_packages build|tests  what scripts/packages.txt lists; needs no network when all of it is there
-#   build TARGET...             configure once, then ninja, into build/
+#   build TARGET...             configure once, then ninja, into build/ or the folder that RESTIRPG_BUILD names
 # RESTIRPG_SKIP_SETUP=1 leaves the machine's packages alone. Errors: one line, exit code 2.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-build_folder=$root/build
+build_folder=${RESTIRPG_BUILD:-$root/build}
+[[ $build_folder == /* ]] || build_folder=$PWD/$build_folder
+[[ -z ${RESTIRPG_BUILD:-} ]] || export RESTIRPG_BUILD=$build_folder  # for programs started in another folder
 python=/usr/bin/python3  # the distribution's own: its packages do not belong to another python3 that comes first on PATH
 apt_folder=${RESTIRPG_APT_FOLDER:-/etc/apt}  # the tests point it at samples
 may_lack='chromium|chromium-driver'  # not in Ubuntu's archive: the tests that need them skip
@@ -158,23 +160,42 @@ probe()
     case $kind in
         command) command -v "$what" >/dev/null ;;
         module) "$python" -c "import $what" 2>/dev/null ;;
-        header | file)
+        header) what=include/$what ;&
+        file)
             for prefix in /usr /usr/local; do
-                [[ $kind == file ]] || prefix=$prefix/include
-                # shellcheck disable=SC2086  # the pattern is meant
                 compgen -G "$prefix/$what" >/dev/null && return 0
             done
             return 1 ;;
     esac
 }
 
+# One of several that the line of packages.txt has.
+probe_one_of()
+{
+    local kind=$1 what
+    set -f  # patterns are for the probe
+    for what in $2; do
+        set +f
+        probe "$kind" "$what" && return 0
+    done
+    set +f
+    return 1
+}
+
 check_elsewhere()
 {
-    local names name kind what missing=()
+    local names name kind what missing=() lacking=()
     names=" $(package_names "$1" | tr '\n' ' ')"
     while read -r name kind what; do
-        [[ $names != *" $name "* ]] || probe "$kind" "$what" || missing+=("$name")
+        if [[ $names != *" $name "* ]] || probe_one_of "$kind" "$what"; then
+            continue
+        elif [[ $name =~ ^($may_lack)$ ]]; then
+            lacking+=("$name")
+        else
+            missing+=("$name")
+        fi
     done < <(grep -v '^#' "$root/scripts/packages.txt")
+    [[ ${#lacking[@]} == 0 ]] || echo "setup: this system lacks ${lacking[*]}: tests that need it will skip" >&2
     [[ ${#missing[@]} == 0 ]] ||
         stop "not Debian or Ubuntu: install what these Debian packages hold, then start again: ${missing[*]}"
 }
@@ -200,12 +221,22 @@ is_configured()
     [[ -f $build_folder/build.ninja && $source -ef $root && $folder -ef $build_folder ]]
 }
 
+# What is timed must be the build that users have.
+check_build_type()
+{
+    local type
+    type=$(sed -n 's/^CMAKE_BUILD_TYPE:[A-Z]*=//p' "$build_folder/CMakeCache.txt")
+    [[ $type == Release ]] ||
+        stop "$build_folder: its build type is '$type', not Release; remove the folder, or name another one in RESTIRPG_BUILD"
+}
+
 build()
 {
     mkdir -p "$MESA_SHADER_CACHE_DIR"
     is_configured ||
         cmake --fresh -S "$root" -B "$build_folder" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPython3_EXECUTABLE="$python" >&2 ||
         stop "cmake could not configure $build_folder; its message is above"
+    check_build_type
     ninja -C "$build_folder" "$@" >&2 || stop "the build failed; its message is above"
 }
 

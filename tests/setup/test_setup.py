@@ -1,6 +1,7 @@
 """The set-up's decisions, on samples: which apt entry gives the backports, what is missing, how it fails."""
 
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -150,6 +151,23 @@ def test_other_systems_get_the_list_of_what_is_missing(tmp_path):
     assert len(result.stderr.splitlines()) == 1
 
 
+def test_a_file_may_lie_elsewhere_on_other_systems(tmp_path):
+    """The second pattern of clang's fuzzer library is that of Fedora and Arch; without a browser tests skip."""
+    for folder in ("lib64/clang/17/lib/x86_64-redhat-linux-gnu", "lib/clang/17/lib/linux"):
+        (tmp_path / folder).mkdir(parents=True)
+    lines = (ROOT / "scripts/packages.txt").read_text().splitlines()
+    [patterns] = (line.split()[2:] for line in lines if line.startswith("libclang-rt-dev "))
+    (tmp_path / "lib64/clang/17/lib/x86_64-redhat-linux-gnu/libclang_rt.fuzzer.a").touch()
+    (tmp_path / "lib/clang/17/lib/linux/libclang_rt.fuzzer-x86_64.a").touch()
+    assert len([file for pattern in patterns for file in tmp_path.glob(pattern)]) == 2
+    (tmp_path / "scripts").mkdir()
+    (tmp_path / "scripts/packages.txt").write_text(
+        "clang file share/restirpg-none/* bin/bash\nchromium command restirpg-no-such-command\n"
+    )
+    result = shell(f"root={tmp_path}; check_elsewhere tests")
+    assert result.stderr == "setup: this system lacks chromium: tests that need it will skip\n"
+
+
 def test_a_start_with_nothing_missing_calls_no_package_manager(tmp_path):
     """Programs that would touch the network are replaced by ones that fail."""
     for name in ("apt-get", "apt-cache", "sudo", "curl"):
@@ -190,30 +208,83 @@ def test_help_installs_and_builds_nothing(script, tmp_path):
     assert "#" not in done.stdout.replace("#!", "") and "shellcheck" not in done.stdout
 
 
-def test_a_clone_that_was_copied_or_moved_is_configured_again(tmp_path):
-    clone = tmp_path / "clone"
-    (clone / "scripts").mkdir(parents=True)
-    (clone / "scripts/setup.sh").write_text((ROOT / "scripts/setup.sh").read_text())
-    stubs = tmp_path / "stubs"
-    stubs.mkdir()
+@pytest.fixture
+def clone(tmp_path):
+    """A folder with the set-up alone. call(script): the finished process of a script that sources it, with stand-ins for
+    cmake, ninja and ctest: the first says which build type it was given, the last what $CTEST says."""
+    clone, stubs = tmp_path / "clone", tmp_path / "stubs"
+    for folder in (clone / "scripts", stubs):
+        folder.mkdir(parents=True)
+    for name in ("setup.sh", "test"):
+        shutil.copy(ROOT / "scripts" / name, clone / "scripts")
     (stubs / "cmake").write_text(
         '#!/bin/bash\nmkdir -p "$5"; touch "$5/build.ninja"\n'
         'printf "CMAKE_HOME_DIRECTORY:INTERNAL=%s\\nCMAKE_CACHEFILE_DIR:INTERNAL=%s\\n" "$3" "$5" > "$5/CMakeCache.txt"\n'
+        'echo "CMAKE_BUILD_TYPE:STRING=Release" >> "$5/CMakeCache.txt"\n'
         "echo configured\n"
     )
     (stubs / "ninja").write_text("#!/bin/bash\necho built\n")
+    (stubs / "ctest").write_text('#!/bin/bash\necho "Total Tests: $CTESTS"\n')
     for stub in stubs.iterdir():
         stub.chmod(0o755)
+    return clone
 
+
+def call(clone, *command, **variables):
+    """The finished process of a command, with the clone's stand-ins first on PATH."""
+    stubs = {
+        "PATH": f"{clone.parent / 'stubs'}:{os.environ['PATH']}",
+        "MESA_SHADER_CACHE_DIR": str(clone.parent / "mesa"),
+    }
+    environment = os.environ | stubs | {"RESTIRPG_SKIP_SETUP": "1"} | variables
+    return subprocess.run(command, text=True, capture_output=True, env=environment, cwd=clone.parent)
+
+
+def build(clone, **variables):
+    return call(clone, "bash", "-c", f". {clone}/scripts/setup.sh; build renderer", **variables)
+
+
+def test_a_debug_build_is_not_timed(clone):
+    build(clone)
+    cache = clone / "build/CMakeCache.txt"
+    cache.write_text(cache.read_text().replace("=Release", "=Debug"))
+    done = build(clone)
+    assert done.returncode == 2 and done.stderr.startswith(f"setup: {clone}/build: its build type is 'Debug'")
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_the_build_folder_may_be_another_one(clone):
+    done = build(clone, RESTIRPG_BUILD="other")
+    assert done.returncode == 0, done.stderr
+    assert (clone.parent / "other/CMakeCache.txt").exists() and not (clone / "build").exists()
+    told = call(clone, "bash", "-c", f". {clone}/scripts/setup.sh; echo $RESTIRPG_BUILD", RESTIRPG_BUILD="other").stdout
+    assert told == f"{clone.parent}/other\n"
+
+
+@pytest.fixture
+def tests(clone):
+    """The finished process of scripts/test with a pattern, where pytest has two tests and ctest as many as are said."""
+    (clone / "test_two.py").write_text("def test_light():\n    pass\n\n\ndef test_glass():\n    pass\n")
+    return lambda pattern, ctests: call(clone, clone / "scripts/test", pattern, CTESTS=str(ctests), PYTEST_ADDOPTS="")
+
+
+def test_a_pattern_that_no_test_has_is_a_mistake(tests):
+    done = tests("restirpg_no_such", 0)
+    assert done.returncode == 2 and done.stderr.splitlines()[-1].startswith(
+        "setup: no test is called 'restirpg_no_such'"
+    )
+    assert tests("restirpg_no_such", 1).returncode == 0
+    assert tests("light", 0).returncode == 0
+
+
+def test_a_pattern_of_alternatives_is_pytest_s_too(tests):
+    done = tests("light|glass", 0)
+    assert done.returncode == 0 and "2 passed" in done.stdout, done.stdout + done.stderr
+
+
+def test_a_clone_that_was_copied_or_moved_is_configured_again(clone, tmp_path):
     def built(folder):
-        done = subprocess.run(
-            ["bash", "-c", f". {folder}/scripts/setup.sh; build renderer"],
-            text=True,
-            capture_output=True,
-            env=os.environ | {"PATH": f"{stubs}:{os.environ['PATH']}", "MESA_SHADER_CACHE_DIR": str(tmp_path / "mesa")},
-            check=True,
-        )
-        return done.stderr.split()
+        return call(clone, "bash", "-c", f". {folder}/scripts/setup.sh; build renderer").stderr.split()
 
     assert built(clone) == ["configured", "built"]
     assert built(clone) == ["built"]
