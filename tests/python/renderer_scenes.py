@@ -68,9 +68,9 @@ def frame_graph(**accumulate):
     return graph
 
 
-def write_flying_panel(file, times=(0, 1), interpolation="LINEAR"):
-    """A glTF whose one panel, of emission 1, fills the view until the first of `times`, s, and is 100 m aside from the
-    last on. Its key times have no "min" and "max"."""
+def write_flying_panel(file, times=(0, 1), interpolation="LINEAR", strength=1):
+    """A glTF whose one panel, of emission `strength`, fills the view until the first of `times`, s, and is 100 m aside
+    from the last on. Its key times have no "min" and "max"."""
     positions, count = [-9, -9, 0, 9, -9, 0, 9, 9, 0, -9, 9, 0], len(times)
     data = struct.pack("<12f6H", *positions, 0, 1, 2, 0, 2, 3)
     data += struct.pack(f"<{4 * count}f", *times, *[0] * 3 * (count - 1), 100, 0, 0)
@@ -96,7 +96,13 @@ def write_flying_panel(file, times=(0, 1), interpolation="LINEAR"):
                 "scenes": [{"nodes": [0, 1]}],
                 "nodes": [{"name": "Panel", "mesh": 0}, {"name": "Camera", "camera": 0, "translation": [0, 0, 5]}],
                 "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
-                "materials": [{"emissiveFactor": [1, 1, 1]}],
+                "materials": [
+                    {
+                        "emissiveFactor": [1, 1, 1],
+                        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": strength}},
+                    }
+                ],
+                "extensionsUsed": ["KHR_materials_emissive_strength"],
                 "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
                 "animations": [
                     {

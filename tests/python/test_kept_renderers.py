@@ -112,3 +112,16 @@ def test_renderers_that_were_not_used_for_longest_make_room(scene_file):
     renderers.begin(jobs[2])
     assert renderers.begin(jobs[0])[0] is first
     assert renderers.begin(jobs[1])[0] is not second
+
+
+def test_a_frame_alone_is_what_it_is_after_a_sample_was_dropped(tmp_path):
+    """The panel fills the view of frame 1, and shines and reflects more than Accumulate takes. From frame 2 on the sky is
+    all there is to see, of which the reference is."""
+    panel, sky = write_flying_panel(tmp_path / "panel.gltf", strength=1e30), np.float32(9e29)
+    options = {"environment": f"{sky},{sky},{sky}", "motion": Motion(0.0, 1.0), "frames": 4}
+    truth = {"mean": np.full((16, 24, 3), sky)}
+    for measured in ({"reference": "sky"}, {"at": (2, 3, 4), "references": ("sky",) * 3}):
+        found = measure.run(job_of("path_tracer.py", panel, 1, **options, **measured), lambda key: truth)
+        assert found["meta"]["dropped"] > 16 * 24 / 2
+        np.testing.assert_allclose(found["frame_mape"][-3:], 0, atol=1e-6)
+        np.testing.assert_allclose(found["frame"], truth["mean"], rtol=1e-6)

@@ -72,17 +72,15 @@ class SceneFindings:
     raised: dict = field(default_factory=dict)  # (method label, value of the knob) -> MethodFindings, not tested
 
 
-def settled_frames(errors):
-    """Indices of the measured frames that count as settled single frames: in the last half, with a picture of their
-    own. errors: MAPE of each frame alone."""
-    first = len(errors) - max(1, round(SETTLED * len(errors)))
-    return first + np.flatnonzero(~np.isnan(errors[first:]))
+def settled_frames(frames):
+    """Indices of the measured `frames` that count as settled single frames: the last half."""
+    return np.arange(len(frames) - max(1, round(SETTLED * len(frames))), len(frames))
 
 
 def single_frames(run, every=False):
-    """Mean MAPE of a run's settled single frames, or of every measured one; NaN if no frame's own picture is known."""
-    settled = np.arange(len(run["frame_mape"])) if every else settled_frames(run["frame_mape"])
-    return float(np.mean(run["frame_mape"][settled])) if len(settled) else float("nan")
+    """Mean MAPE of a run's settled single frames, or of every measured one."""
+    errors = run["frame_mape"]
+    return float(np.mean(errors if every else errors[settled_frames(run["frames"])]))
 
 
 def flip(pictures, truth):

@@ -7,7 +7,7 @@ import numpy as np
 
 import restirpg
 from restirpg.harness import tiles
-from restirpg.harness.render import Renderers, dropped_samples, is_running_mean
+from restirpg.harness.render import Renderers, dropped_samples, frame_port
 
 ERRORS = ("mape", "relmse", "rmse", "bias", "invalid")
 LARGEST_HALF = 65504
@@ -20,18 +20,18 @@ def run(job, load=lambda key: None, tick=lambda frames: None, renderers=None):
     may have to compile kernels first, and with 1 after each frame. renderers: where the job's renderer may be
     found, and stays.
     Returns arrays, one entry for each of job.frames_measured(): `frames`, `mape`, `relmse`, `rmse`, `bias`,
-    `invalid`, `frame_mape` (of that frame alone, NaN where it is not known), `gpu_ms` and `wall_ms` (both
-    summed since the start); `image` and `frame` (float32, H x W x 3: the output after the last frame, and what
-    the last frame alone added to it; with job.at the latter is what is measured, and both); `temporal`, see
-    TemporalSums; and `meta`. With job.tiles no errors, but `pictures`, the measured frames as stacks of tiles, whose
-    errors measure_tiles() finds, and `whole`, the last of them in half floats.
+    `invalid`, `frame_mape` (of that frame alone), `gpu_ms` and `wall_ms` (both summed since the start); `image`
+    and `frame` (float32, H x W x 3: the output after the last frame, and what the last frame alone gave to it;
+    with job.at the latter is what is measured, and both); `temporal`, see TemporalSums; and `meta`. With job.tiles
+    no errors, but `pictures`, the measured frames as stacks of tiles, whose errors measure_tiles() finds, and
+    `whole`, the last of them in half floats.
     """
     if job.windows:
         return _run_windows(job, tick, renderers or Renderers())
     tick(0)
     renderer, home = (renderers or Renderers()).begin(job)
-    pictures, measured = _Pictures(renderer, job), job.frames_measured()
-    read = {*measured, *(frame - 1 for frame in job.at)}
+    measured = job.frames_measured()
+    port = frame_port(json.loads(job.description), job.output)
     errors, stacks, wall = _Errors(load), [], 0.0
     for frame in range(1, measured[-1] + 1):
         if job.motion:
@@ -40,11 +40,11 @@ def run(job, load=lambda key: None, tick=lambda frames: None, renderers=None):
         renderer.render(1)
         wall += 1e3 * (time.perf_counter() - start)
         tick(1)
-        if frame not in read:
+        if frame not in measured:
             continue
-        image, alone = pictures.after(frame)
-        image = alone if job.at else image
-        if frame in measured and (job.tiles or job.reference_of(frame)):
+        alone = _picture(renderer, port, job)
+        image = alone if job.at else _picture(renderer, job.output, job)
+        if job.tiles or job.reference_of(frame):
             errors.times.append([sum(renderer.total_gpu_times().values()), wall])
             if job.tiles:
                 stacks.append(tiles.stack(alone, job.tiles, job.tile))
@@ -59,14 +59,13 @@ def run(job, load=lambda key: None, tick=lambda frames: None, renderers=None):
         **errors.columns(),
         **whole,
         "image": image,
-        "frame": image if alone is None else alone,
+        "frame": alone,
         "temporal": errors.temporal.sums,
         "meta": {
             "passes": {name: ms / frame for name, ms in renderer.total_gpu_times().items()},
             "memory": dict(renderer.memory()),
             "device": dict(renderer.device_info),
             "knobs": renderer.knobs(),
-            "running_mean": pictures.running_mean,
             "wall_ms": wall,
             "invalid": int(np.sum(~np.isfinite(image).all(axis=-1))),
             "dropped": dropped_samples(renderer),
@@ -84,7 +83,7 @@ def _run_windows(job, tick, renderers):
         if job.motion:
             job.motion.apply(renderer, home, job.still or 1)
         renderer.render(job.frames)
-        parts.append(_Pictures(renderer, job).after(job.frames)[0])
+        parts.append(_picture(renderer, job.output, job))
         dropped += dropped_samples(renderer)
         tick(job.frames / len(job.tiles))
     image = np.concatenate(parts)
@@ -113,23 +112,9 @@ def measure_tiles(result, truths, side):
     result.update(columns, **by_tile, temporal=found.temporal.sums)
 
 
-class _Pictures:
-    """Reads the job's output."""
-
-    def __init__(self, renderer, job):
-        self._renderer, self._job = renderer, job
-        self._last = 0, 0.0  # frame and image
-        self.running_mean = is_running_mean(json.loads(job.description), job.output)
-
-    def after(self, frame):
-        """The output, and what this frame alone added to it: None where the one before was not read."""
-        image = np.asarray(self._renderer.output(self._job.output), np.float32)[..., :3]
-        image = image * np.float32(self._job.gain)
-        alone, (before, mean) = image, self._last
-        if self.running_mean:  # the mean of n frames times n, less the same of n - 1 frames
-            alone = image * frame - mean * before if before == frame - 1 else None
-        self._last = frame, image
-        return image, alone
+def _picture(renderer, output, job):
+    """An output's colours after the last frame, float32, with the gain of the job."""
+    return np.asarray(renderer.output(output), np.float32)[..., :3] * np.float32(job.gain)
 
 
 class _Errors:
@@ -145,7 +130,7 @@ class _Errors:
         if key != self._key:
             self._key, self._truth = key, self._load(key)["mean"]
         found = restirpg.measure_errors(image, self._truth)
-        single = restirpg.measure_errors(alone, self._truth)["mape"] if alone is not None else np.nan
+        single = restirpg.measure_errors(alone, self._truth)["mape"]
         self._rows.append([*(found[name] for name in ERRORS), single])
         self.temporal.add(alone, self._truth, consecutive=frame == self._frame + 1)
         self._frame = frame
@@ -171,10 +156,7 @@ class TemporalSums:
         self.sums = np.zeros(4)
 
     def add(self, frame, reference, consecutive):
-        """Add a frame, or None where it is not known; `consecutive`: it follows the one added last."""
-        if frame is None:
-            self._previous = None
-            return
+        """Add a frame; `consecutive`: it follows the one added last."""
         deviation = ((frame - reference) @ self.WEIGHTS).astype(float)
         deviation[~np.isfinite(deviation)] = 0
         if consecutive and self._previous is not None:

@@ -110,14 +110,19 @@ def describe_graph(file):
         return restirpg.load_graph(file).description
 
 
+def frame_port(description, output):
+    """What the last frame alone gives to the graph's output: the port `frame` of the Accumulate pass whose mean the output
+    is; else the output itself."""
+    types = {entry["name"]: entry["type"] for entry in description.get("passes", [])}
+    for entry in description.get("outputs", []):
+        if entry["name"] == output and entry["output"] == "mean" and types.get(entry["pass"]) == "Accumulate":
+            return f"{entry['pass']}.frame"
+    return output
+
+
 def is_running_mean(description, output):
     """Whether the graph's output is the mean over all frames so far, made by an Accumulate pass."""
-    types = {entry["name"]: entry["type"] for entry in description.get("passes", [])}
-    return any(
-        types.get(entry["pass"]) == "Accumulate" and entry["output"] == "mean"
-        for entry in description.get("outputs", [])
-        if entry["name"] == output
-    )
+    return frame_port(description, output) != output
 
 
 _loaded: dict = {}  # the scene that was loaded last: {(file, camera, environment, allow_outside): (hash, restirpg.Scene)}
@@ -177,10 +182,13 @@ def _of_type(now, value):
 
 
 def make_renderer(job):
-    """The job's scene, graph and knobs as a restirpg.Renderer that has not rendered yet."""
+    """The job's scene, graph and knobs as a restirpg.Renderer that has not rendered yet. It has the job's frame_port()
+    among its outputs."""
+    description = json.loads(job.description)
+    alone = frame_port(description, job.output)
     renderer = restirpg.Renderer(
         load_scene(job)[1],
-        json.loads(job.description),
+        description,
         size=tuple(job.size),
         seed=job.seed,
         device=job.device,
@@ -188,6 +196,7 @@ def make_renderer(job):
         energy_compensation=job.energy_compensation,
         window=(*job.tiles[0], job.tile, job.tile) if job.windows else None,
         bounces=job.bounces,
+        outputs=[] if alone == job.output else [alone],
     )
     apply_knobs(renderer, job.knobs, job.graph)
     if job.output not in renderer.output_names:

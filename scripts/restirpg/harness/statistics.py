@@ -162,7 +162,7 @@ def block_correlation(images, size=8):
 
 
 def temporal_correlation(sums, reference_variance):
-    """Autocorrelation at lag 1 from render.TemporalSums.sums.
+    """Autocorrelation at lag 1 from measure.TemporalSums.sums.
 
     The reference's own variance (of luminance, mean over pixels) is in both products and is subtracted.
     """

@@ -82,15 +82,12 @@ def _frames_in_words(frames):
 
 
 def _settled_in_words(scene):
-    """Which single frames are averaged; a method that puts out a mean has fewer in long runs."""
+    """Which single frames are averaged."""
     if scene.at:
         return _frames_in_words(scene.at)
-    settled = [method.frames[settled_frames(method.curves["single"][0])] for method in scene.methods]
-    counts = sorted({len(frames) for frames in settled})
-    if not counts[-1]:
-        return "none is known"
-    number = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
-    return f"mean of {number}, from frame {min(frames[0] for frames in settled if len(frames))} on"
+    frames = scene.methods[0].frames
+    settled = frames[settled_frames(frames)]
+    return f"mean of {len(settled)}, from frame {settled[0]} on"
 
 
 def equal_tables(scene):

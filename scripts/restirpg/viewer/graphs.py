@@ -3,6 +3,7 @@
 import functools
 
 import restirpg
+from restirpg.harness.render import frame_port
 
 
 @functools.cache
@@ -63,15 +64,15 @@ def with_output(description, port):
     return {**description, "outputs": [*description["outputs"], shown]}
 
 
-def frame_ports(description):
-    """Ports whose sum is the picture of one frame alone, where the graph's picture is their mean by a pass Accumulate;
-    empty otherwise."""
-    picture = description["outputs"][0]
-    for entry in description["passes"]:
-        if entry["name"] == picture["pass"] and entry["type"] == "Accumulate" and picture["output"] == "mean":
-            wired = (entry.get("inputs", {}).get(name) for name in ("direct", "indirect", "emission"))
-            return [f"{source['pass']}.{source['output']}" for source in wired if source]
-    return []
+def frame_output(description):
+    """The port of the last frame alone, where the graph's picture is a mean of frames; else None. So it is for a description
+    that cannot be read: the renderer says what is wrong with it, and where."""
+    try:
+        picture = description["outputs"][0]["name"]
+        port = frame_port(description, picture)
+    except (LookupError, TypeError):
+        return None
+    return port if port != picture else None
 
 
 def with_knobs(description, changed):

@@ -39,7 +39,9 @@ class Pane:
         description = self._describe()
         port = port if port and graphs.has_image_port(description, port) else None
         shown = graphs.with_output(description, port) if port else description
-        renderer = restirpg.Renderer(self._scene, shown, size=self._size, **self._options)
+        alone = graphs.frame_output(description)
+        outputs = [*self._options.get("outputs", ()), *([alone] if alone else [])]
+        renderer = restirpg.Renderer(self._scene, shown, size=self._size, **{**self._options, "outputs": outputs})
         initial = renderer.knobs()
         changed = {name: value for name, value in self.changed.items() if _value(initial, name) is not None}
         for name, value in changed.items():
@@ -49,7 +51,7 @@ class Pane:
         self.placed = False  # the renderer has a pose in place of the scene's camera
         self.renderer, self.description, self.changed, self._initial = renderer, description, changed, initial
         self.ports = graphs.image_ports(description)
-        self.frame_ports = graphs.frame_ports(description)
+        self.frame_output = alone
         self.port = port
         self.forget()
 
@@ -64,7 +66,7 @@ class Pane:
 
     def forget(self):
         """Begin the viewer's own mean anew; the renderer's history stays. Until its next frame the graph `waits`."""
-        self._sum, self._count, self.milliseconds, self.waits = None, 0, 0.0, True
+        self._mean, self.milliseconds, self.waits = Mean(), 0.0, True
 
     @property
     def settings(self):
@@ -137,15 +139,13 @@ class Pane:
         self.renderer.render(1)
         self.milliseconds = 1000 * (time.perf_counter() - start)
         self.waits = False
-        if kept and self.frame_ports:
-            frame = sum(self.read(port) for port in self.frame_ports)
-            self._sum = frame if self._sum is None else self._sum + frame
-            self._count += 1
+        if kept and self.frame_output:
+            self._mean.add(self.renderer.output(self.frame_output))
 
     @property
     def frames(self):
         """Frames in the picture."""
-        return self._count or self.renderer.frame
+        return self._mean.frames or self.renderer.frame
 
     def read(self, port):
         """A port's values, float32 (H, W, C)."""
@@ -154,8 +154,8 @@ class Pane:
 
     def picture(self):
         """The graph's picture, float32 (H, W, C)."""
-        if self._count:
-            return self._sum / np.float32(self._count)
+        if self._mean.frames:
+            return self._mean.image()
         return self.renderer.output(self.renderer.output_names[0])
 
     def pixel(self, x, y):
@@ -163,6 +163,24 @@ class Pane:
         values = {"picture": self.picture()[y, x]}
         values.update((port, self.read(port)[y, x]) for port in sorted(self._readable()))
         return {name: [float(v) for v in value] for name, value in values.items()}
+
+
+class Mean:
+    """Of frames. Where a frame is NaN or infinite it is left out, as by the pass Accumulate."""
+
+    def __init__(self):
+        self.frames, self._sum, self._counts = 0, np.float32(0), np.float32(0)
+
+    def add(self, frame):
+        """Add float32 (H, W, C)."""
+        valid = np.isfinite(frame).all(axis=-1, keepdims=True)
+        self._sum = self._sum + np.where(valid, frame, np.float32(0))
+        self._counts = self._counts + valid.astype(np.float32)
+        self.frames += 1
+
+    def image(self):
+        """float32 (H, W, C); 0 where no frame is valid."""
+        return self._sum / np.maximum(self._counts, np.float32(1))
 
 
 def _value(knobs, name):

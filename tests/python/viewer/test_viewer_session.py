@@ -7,6 +7,7 @@ from viewer_sessions import SIZE, depth_graph, images
 
 from restirpg.harness import UserError
 from restirpg.viewer import capture, pictures
+from restirpg.viewer.pane import Mean
 from restirpg.viewer.session import Session
 
 
@@ -40,10 +41,19 @@ def test_kept_history_averages_the_frames_since_the_last_move(session):
     frames = []
     for _ in range(3):
         session.render()
-        ports = session.panes[0].frame_ports
-        frames.append(sum(session.panes[0].read(port) for port in ports))
+        pane = session.panes[0]
+        frames.append(sum(pane.read(port) for port in ("paths.radiance", "gbuffer.emission")))
     assert session.panes[0].renderer.frame == 4 and session.panes[0].frames == 3
     np.testing.assert_allclose(images(session)[0], np.mean(frames, 0), rtol=1e-5, atol=1e-6)
+
+
+def test_a_frame_that_is_no_number_leaves_the_other_frames_in_the_mean():
+    mean, hole = Mean(), np.full((1, 2, 3), 4, np.float32)
+    hole[0, 0, 1] = np.nan
+    for frame in (np.full_like(hole, 1), hole, np.full_like(hole, 2)):
+        mean.add(frame)
+    np.testing.assert_allclose(mean.image()[0, :, 0], [3 / 2, 7 / 3])
+    assert mean.frames == 3
 
 
 def test_a_knob_changes_its_own_graph_alone_and_can_be_reset(session):

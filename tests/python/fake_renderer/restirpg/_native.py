@@ -104,6 +104,7 @@ class Renderer:
         energy_compensation=False,
         window=None,
         bounces=None,
+        outputs=(),
     ):
         self._size, self.seed, self._seconds = size, seed, 0.0
         self._window = window or (0, 0, *size)
@@ -172,12 +173,13 @@ class Renderer:
             old = knobs["memory"] if self._frames else 0.0
             self._noise = old * self._noise + np.sqrt(1 - old**2) * fresh
             light = truth(width, height, self._seconds, self.camera["position"][0])
-            self._sum = self._sum + light * knobs["gain"] * (1 + self._noise)
+            self._last = light * knobs["gain"] * (1 + self._noise)
+            self._sum = self._sum + self._last
             self._frames += 1
 
     def output(self, name):
-        """The mean of all frames."""
-        image = (self._sum / self._frames).astype(np.float32)
+        """The mean of all frames, or the last frame."""
+        image = (self._last if name == "accumulate.frame" else self._sum / self._frames).astype(np.float32)
         image[0, : self._knobs["paths"]["broken"]] = np.nan
         x, y, width, height = self._window
         return image[y : y + height, x : x + width]
