@@ -4,7 +4,7 @@ import numpy as np
 from path_scenes import add_reuse
 from renderer_scenes import SIZE, check_samples, make_renderer, restirpg
 
-from restirpg.harness.statistics import luminance
+from restirpg.colour import luminance
 
 BOUNCES = 2
 

@@ -3,7 +3,8 @@
 import numpy as np
 from renderer_scenes import check_samples
 
-from restirpg.harness.statistics import luminance, welch
+from restirpg.colour import luminance
+from restirpg.harness.statistics import welch
 from restirpg.harness.unbiased import Reference
 
 FALSE_ALARM = 6e-5  # of a test: what lies beyond four standard deviations of a normal distribution

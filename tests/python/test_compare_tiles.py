@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from harness_runs import compare, csv_rows, write_graph
 
+from restirpg.colour import luminance
 from restirpg.harness import UserError, tiles
 from restirpg.harness import statistics as st
 
@@ -27,7 +28,7 @@ def picture_and_truth(rng):
 
 def mape(picture, truth):
     """Of the whole picture, as ErrorMeasure has it."""
-    y = st.luminance(truth)[..., None]
+    y = luminance(truth)[..., None]
     return np.mean(np.abs(picture - truth) / (0.01 * y.mean() + y))
 
 

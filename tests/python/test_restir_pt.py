@@ -17,7 +17,7 @@ from mutants import mutant
 from path_scenes import write_panes
 from renderer_scenes import make_renderer, restirpg
 
-from restirpg.harness.statistics import luminance
+from restirpg.colour import luminance
 from restirpg.harness.unbiased import compare, independent_runs
 
 RUNS, FRAMES, REFERENCE_PATHS = 64, (1, 8), 4096

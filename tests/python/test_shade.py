@@ -12,7 +12,7 @@ from mutants import mutant
 from path_scenes import add_reuse, write_every_bounce
 from renderer_scenes import make_renderer, restirpg
 
-from restirpg.harness.statistics import luminance
+from restirpg.colour import luminance
 from restirpg.scenes import shapes
 from restirpg.scenes.gltf import SceneFile, emitter, lambert
 

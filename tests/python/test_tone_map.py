@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from renderer_scenes import make_renderer, restirpg, write_flying_panel
 
-from restirpg.harness.statistics import luminance
+from restirpg.colour import luminance
 
 
 def encode_srgb(x):

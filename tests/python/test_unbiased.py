@@ -16,7 +16,8 @@ from furnace_scenes import run_means, standard_errors_off
 from renderer_scenes import GRAPH, check_samples, restirpg
 from scipy import stats
 
-from restirpg.harness.statistics import LEVEL, block_means, luminance
+from restirpg.colour import luminance
+from restirpg.harness.statistics import LEVEL, block_means
 from restirpg.harness.unbiased import BLOCK
 from restirpg.scenes import shapes
 from restirpg.scenes.gltf import lambert

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from restirpg.colour import luminance
 from restirpg.harness import denoised, tiles
 from restirpg.harness import reference as references
 from restirpg.harness import statistics as st
@@ -227,8 +228,8 @@ def _method(label, runs, truth, noise, subtracted, common, every):
         for name in ("gpu_ms", "wall_ms"):
             gather[name] = np.broadcast_to(gather[name].mean(axis=0), curves["mape"].shape)
     pictures = np.array([np.nan_to_num(run["image"].astype(float), nan=0, posinf=0, neginf=0) for run in runs])
-    frames = np.nan_to_num(st.luminance(np.array([run["frame"] for run in runs])), nan=0, posinf=0, neginf=0)
-    brightness = st.luminance(pictures)
+    frames = np.nan_to_num(luminance(np.array([run["frame"] for run in runs])), nan=0, posinf=0, neginf=0)
+    brightness = luminance(pictures)
     temporal = [st.temporal_correlation(run["temporal"], noise["luminance_variance"]) for run in runs]
     scale = truth["batch_means"].mean()
     several = len(runs) > 1

@@ -10,6 +10,7 @@ on diffuse surfaces alone.
 import numpy as np
 
 import restirpg
+from restirpg.colour import luminance
 from restirpg.harness import UserError, plots  # noqa: F401  (chooses matplotlib's backend and style)
 from restirpg.harness.guiding import (
     CELL,
@@ -30,7 +31,6 @@ from matplotlib.figure import Figure  # isort: skip
 ROWS, COLUMNS = 8, 32  # bins of a hemisphere
 FACE = 48  # pixels of a cube's face
 FACE_FRAMES = 64
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 class Point:
@@ -185,7 +185,7 @@ def _product(point, renderer):
         d = forward + right[..., None] * np.cross(forward, above) + up[..., None] * above
         length = np.linalg.norm(d, axis=-1)
         directions.append((d / length[..., None]).reshape(-1, 3))
-        light = renderer.output("image") @ LUMINANCE * length**-3.0  # of a pixel: times its solid angle
+        light = luminance(renderer.output("image")) * length**-3.0  # of a pixel: times its solid angle
         weights.append((light * np.maximum(d @ normal / length, 0)).ravel())
     return point.histogram(np.concatenate(directions), np.concatenate(weights))
 

@@ -6,6 +6,7 @@ import time
 import numpy as np
 
 import restirpg
+from restirpg.colour import luminance
 from restirpg.harness import tiles
 from restirpg.harness.render import Renderers, dropped_samples, frame_port
 
@@ -149,15 +150,13 @@ class TemporalSums:
     luminance.
     """
 
-    WEIGHTS = np.array([0.2126, 0.7152, 0.0722], np.float32)
-
     def __init__(self):
         self._previous = None
         self.sums = np.zeros(4)
 
     def add(self, frame, reference, consecutive):
         """Add a frame; `consecutive`: it follows the one added last."""
-        deviation = ((frame - reference) @ self.WEIGHTS).astype(float)
+        deviation = luminance(frame - reference)
         deviation[~np.isfinite(deviation)] = 0
         if consecutive and self._previous is not None:
             self.sums[:2] += np.sum(deviation * self._previous), deviation.size

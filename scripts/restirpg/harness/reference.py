@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from restirpg.colour import luminance, mape_scale
 from restirpg.harness import UserError, render, tiles
 from restirpg.harness.jobs import digest
-from restirpg.harness.statistics import block_means, luminance, mape_scale
+from restirpg.harness.statistics import block_means
 
 
 def key_of_batches(jobs):

@@ -43,9 +43,9 @@ def refusals():
 
 #: Of the package, what a run's or call's result depends on.
 MEASURING = (
-    "evaluate.py", "graph.py", "harness/cell_counts.py", "harness/denoised.py", "harness/equal_time.py", "harness/guide_maps.py",
-    "harness/guiding.py", "harness/measure.py", "harness/motion.py", "harness/paper/figure_4.py", "harness/reference.py",
-    "harness/render.py", "harness/statistics.py", "harness/tiles.py", "records.py",
+    "colour.py", "evaluate.py", "graph.py", "harness/cell_counts.py", "harness/denoised.py", "harness/equal_time.py",
+    "harness/guide_maps.py", "harness/guiding.py", "harness/measure.py", "harness/motion.py", "harness/paper/figure_4.py",
+    "harness/reference.py", "harness/render.py", "harness/statistics.py", "harness/tiles.py", "records.py",
 )  # fmt: skip
 #: Environment variables of lavapipe that the times of frames depend on, and what each is where it is not set.
 #: preferNarrowVectors() in logical_device.cpp sets the first.

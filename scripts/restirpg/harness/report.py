@@ -14,6 +14,7 @@ import jinja2
 import numpy as np
 
 import restirpg
+from restirpg.colour import luminance, relative_error
 from restirpg.harness import files, given_reference, plots, render, tables
 from restirpg.harness import statistics as st
 from restirpg.harness.comparison import largest_knob
@@ -53,9 +54,8 @@ def _kinds_there(findings):
 def _viewer_data(scene, kinds):
     """What viewer.js shows of a scene: see its head for the format."""
     truth = scene.reference["mean"].astype(float)
-    y = st.luminance(truth)
-    scale = st.mape_scale(y)[..., None]
-    error = np.array([np.abs(method.images["image"] - truth) / scale for method in scene.methods])
+    y = luminance(truth)
+    error = np.array([relative_error(method.images["image"], truth) for method in scene.methods])
     exposure = -float(np.log2(max(np.percentile(y, 90), 1e-6))) - 1
     pictures = [{"label": "reference", "image": _half(truth)}]
     pictures += [
@@ -66,7 +66,7 @@ def _viewer_data(scene, kinds):
         "height": truth.shape[0],
         "floor": 0.01 * float(y.mean()),
         "exposure": round(exposure, 1),
-        "scale": max(float(np.percentile(np.nan_to_num(error.mean(axis=-1)), 98)), 1e-6),
+        "scale": max(float(np.percentile(np.nan_to_num(error), 98)), 1e-6),
         "pictures": pictures,
     }
 
@@ -119,7 +119,7 @@ def _crops(scene):
     """[(label, [two crops], error)] of the reference and of each method's last frame: where the methods differ most."""
     truth = scene.reference["mean"].astype(float)
     frames = {method.label: method.images["frame"] for method in scene.methods}
-    corners, side = pictures.crops_of([pictures.relative_error([frame], truth) for frame in frames.values()])
+    corners, side = pictures.crops_of([relative_error(np.nan_to_num(frame), truth) for frame in frames.values()])
     exposure = pictures.exposure_of(truth)
 
     def cut(image):

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtr, stdtrit
 
+from restirpg.colour import luminance, mape_scale  # noqa: F401  (programs of benchmarks/ take them from here)
+
 LEVEL = 0.01  # of a whole family of tests: one false alarm in a hundred reports
 POWER = 0.8  # with which the "smallest detectable" difference would have been found
 
@@ -115,16 +117,6 @@ def holm(p_values):
     steps = p[order] * np.arange(len(order), 0, -1)
     adjusted[order] = np.minimum(1, np.maximum.accumulate(steps)) if len(order) else []
     return adjusted
-
-
-def luminance(image):
-    """Rec. 709 luminance of linear (..., 3)."""
-    return np.asarray(image, float) @ np.array([0.2126, 0.7152, 0.0722])
-
-
-def mape_scale(y):
-    """What MAPE divides differences by: the reference's luminance `y` plus 1% of its mean."""
-    return 0.01 * y.mean() + y
 
 
 def block_means(images, size=8):

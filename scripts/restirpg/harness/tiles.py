@@ -15,8 +15,8 @@ A stack is the picture of the tiles one below the other: whatever measures pictu
 
 import numpy as np
 
+from restirpg.colour import luminance, mape_scale
 from restirpg.harness import UserError
-from restirpg.harness.statistics import luminance, mape_scale
 
 METRICS = ("mape", "relmse", "bias")
 

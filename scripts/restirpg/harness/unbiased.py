@@ -16,9 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
+from restirpg.colour import luminance
 from restirpg.harness import UserError
 from restirpg.harness.jobs import seed_of
-from restirpg.harness.statistics import LEVEL, Test, block_means, luminance, t_quantile, t_two_sided
+from restirpg.harness.statistics import LEVEL, Test, block_means, t_quantile, t_two_sided
 
 BLOCK = 4  # pixels, the edge of a block
 ROUNDING = 1e-6  # relative, of a mean in single precision: a standard error where runs do not vary

@@ -4,14 +4,14 @@ import functools
 
 import numpy as np
 
+from restirpg.colour import srgb
+
 from .gltf import Texture
 
 
 def to_srgb(linear):
-    """Bytes of linear colours in [0, 1] (IEC 61966-2-1)."""
-    linear = np.clip(linear, 0.0, 1.0)
-    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return (encoded * 255 + 0.5).astype(np.uint8)
+    """sRGB bytes of linear colours in [0, 1]."""
+    return (srgb(np.clip(linear, 0.0, 1.0)) * 255 + 0.5).astype(np.uint8)
 
 
 def noise(size, octaves, seed, start=4):

@@ -6,19 +6,16 @@ import numpy as np
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from restirpg.harness.statistics import mape_scale
+from restirpg.colour import srgb
 
 _STEPS = 4096  # of the transfer function's table over [0, 1]
 
 
 def _srgb_table():
-    linear = np.arange(_STEPS + 1) / _STEPS
-    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return np.rint(255 * encoded).astype(np.uint8)
+    return np.rint(255 * srgb(np.arange(_STEPS + 1) / _STEPS)).astype(np.uint8)
 
 
 _SRGB = _srgb_table()
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 
 
 def _heat_table():
@@ -46,13 +43,6 @@ def heat(values, limit):
     """Numbers (H, W) from 0 to `limit` in colours from black to white."""
     scaled = np.nan_to_num(values * (255 / limit), nan=255, posinf=255, neginf=0)
     return _HEAT[np.clip(scaled, 0, 255).astype(np.uint8)]
-
-
-def relative_difference(image, reference):
-    """|image - reference| / (luminance of the reference + 1% of its mean), mean over the channels: (H, W), whose mean
-    is the MAPE."""
-    luminance = reference @ _LUMINANCE if reference.shape[2] == 3 else reference.mean(-1)
-    return np.abs(image - reference).mean(-1) / (mape_scale(luminance) + 1e-30)
 
 
 def port(image, name, exposure):

@@ -8,7 +8,10 @@ import shlex
 import time
 from dataclasses import dataclass, field
 
+import numpy as np
+
 import restirpg
+from restirpg.colour import relative_error
 from restirpg.harness import UserError
 
 from . import camera, commands, graphs, pictures
@@ -250,7 +253,7 @@ class Session:
         return f"{pane.name}: error", self._heat(pane.picture(), truth)
 
     def _heat(self, image, truth):
-        return pictures.heat(pictures.relative_difference(image, truth), 2.0**-self.exposure)
+        return pictures.heat(relative_error(image, truth, np.float32), 2.0**-self.exposure)
 
     def pixels(self, pane):
         """A graph's picture, or the port that it shows, as 8-bit."""

@@ -5,6 +5,7 @@ import pytest
 from renderer_scenes import GRAPH, make_renderer, restirpg
 from viewer_sessions import SIZE, depth_graph, images
 
+from restirpg.colour import relative_error
 from restirpg.harness import UserError
 from restirpg.viewer import capture, pictures
 from restirpg.viewer.pane import Mean
@@ -129,7 +130,7 @@ def test_a_frame_that_fails_is_tried_again_after_a_change_alone(session, monkeyp
 def test_errors_are_those_against_the_reference_while_the_camera_is_at_home(session, reference):
     expected = restirpg.measure_errors(images(session)[0], reference)["mape"]
     assert session.errors() == [pytest.approx(expected)] * 2
-    relative = pictures.relative_difference(images(session)[0], reference)
+    relative = relative_error(images(session)[0], reference, np.float32)
     assert relative.mean() == pytest.approx(expected, rel=1e-4)
     session.apply({"do": "orbit", "x": 0.1, "y": 0.0})
     session.render()
@@ -152,7 +153,7 @@ def test_a_difference_is_of_the_graphs_that_are_chosen(scene):
     pictures_now = images(session)
     header = session.frame().header
     assert header["labels"] == ["difference of 2 Path tracer from 3 ReSTIR PT"] and len(header["sizes"]) == 1
-    expected = pictures.heat(pictures.relative_difference(pictures_now[1], pictures_now[2]), 1.0)
+    expected = pictures.heat(relative_error(pictures_now[1], pictures_now[2], np.float32), 1.0)
     np.testing.assert_array_equal(session._shown()[0][1], expected)
     with pytest.raises(UserError, match="no graph 3"):
         session.apply({"do": "view", "name": "difference", "left": 0, "right": 3})

@@ -1,5 +1,8 @@
 """Figures 1, 5, 6 and 8: pictures of the methods side by side, with crops and errors."""
 
+import numpy as np
+
+from restirpg.colour import relative_error
 from restirpg.harness import statistics as st
 from restirpg.harness.paper import errors, pictures
 from restirpg.harness.paper.page import Picture, Section, percent
@@ -29,7 +32,8 @@ def columns(runs, methods, measured=settled):
     truth = runs.reference["mean"].astype(float)
     values = measured(runs)
     known = [one for one in methods if one.label in runs.runs]
-    maps = [pictures.relative_error([run["frame"] for run in runs.runs[one.label]], truth) for one in known]
+    frames = [np.nan_to_num([run["frame"] for run in runs.runs[one.label]]) for one in known]
+    maps = [relative_error(each, truth).mean(axis=0) for each in frames]
     shown = [pictures.Picture("reference", truth, "MAPE")]
     shown += [
         pictures.Picture(one.label, runs.runs[one.label][0]["frame"], str(percent(*st.mean_se(values[one.label]))))

@@ -3,6 +3,7 @@ fitted."""
 
 import numpy as np
 
+from restirpg.colour import mape_scale
 from restirpg.harness import plots
 from restirpg.harness import statistics as st
 from restirpg.harness.paper import flatland
@@ -54,7 +55,7 @@ def measure():
         _, by_kind = run_of(seed)
         for kind, reservoirs in by_kind.items():
             image = flatland.estimate(x, reservoirs)
-            error = np.abs(image - right) / st.mape_scale(right)
+            error = np.abs(image - right) / mape_scale(right)
             models = [fitted(x, kind, reservoirs, cell)[0] for cell in range(CELLS)]
             apart = [divergence(model, share) for model, share in zip(models, shares) if model]
             rows[kind].append((error.mean(), image.mean() / right.mean() - 1, np.mean(apart)))

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from restirpg.colour import luminance, srgb
 from restirpg.harness import plots  # noqa: F401  (chooses matplotlib's backend and style)
-from restirpg.harness import statistics as st
 
 from matplotlib.figure import Figure  # isort: skip
 from matplotlib.patches import Rectangle  # isort: skip
@@ -14,20 +14,12 @@ CROP_COLOURS = ("#e8590c", "#1c7ed6")
 
 def displayable(image, exposure):
     """Linear Rec. 709 radiance times `exposure` as sRGB in [0, 1]."""
-    x = np.clip(np.nan_to_num(np.asarray(image, float) * exposure), 0, 1)
-    return np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
+    return srgb(np.clip(np.nan_to_num(np.asarray(image, float) * exposure), 0, 1))
 
 
 def exposure_of(reference):
     """What brings the reference's 90th percentile of luminance to a half."""
-    return 0.5 / max(float(np.percentile(st.luminance(reference), 90)), 1e-6)
-
-
-def relative_error(images, reference):
-    """|I - R| over (1% of mean Y + Y), mean over the channels and the images (n, H, W, 3): (H, W)."""
-    y = st.luminance(reference)
-    errors = np.abs(np.nan_to_num(np.asarray(images, float)) - reference) / st.mape_scale(y)[..., None]
-    return errors.mean(axis=(0, 3))
+    return 0.5 / max(float(np.percentile(luminance(reference), 90)), 1e-6)
 
 
 def crops_of(errors, count=2):
