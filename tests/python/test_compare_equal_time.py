@@ -126,7 +126,7 @@ def test_in_brief_the_answer_and_the_warnings_are_there(tmp_path):
     assert run.returncode == 0, run.stderr
     said = " ".join(run.stdout.split())
     assert re.search(r"At equal frame time, dear has [\d.]+% less error than plain, cheap [\d.]+% less\.", said)
-    assert "warning: dear: its bounce cap is 2, the reference's 4" in said
+    assert "warning: dear: its bounce cap is 2, that of the reference is 4" in said
     assert "paths.neighbours" not in said[: said.index("At equal frame time")]  # no raised setting counts as a method
 
 

@@ -22,6 +22,7 @@ from restirpg.harness import (
 )
 from restirpg.harness.collected import SceneRuns, warnings_of, with_knobs
 from restirpg.harness.jobs import Job, Method, digest, file_name, made_from, seed_of, without_places
+from restirpg.harness.mean_knobs import differences, mean_of
 from restirpg.harness.motion import Motion
 
 PATH_TRACER = os.path.relpath(f"{restirpg.GRAPHS}/path_tracer.py")  # from any folder
@@ -149,25 +150,23 @@ class Comparison:
         views = self._views(facts)
         methods = [job for job in jobs if job.label != "reference"]
         self.device.update({job.label: probes[job.label]["device"] for job in methods})
-        caps = {job.label: largest_knob(probes[job.label]["knobs"], "bounces") for job in methods}
-        filters = {job.label: largest_knob(probes[job.label]["knobs"], "jitter") for job in methods}
+        means = {job.label: mean_of(probes[job.label]["knobs"]) for job in methods}
         if not settings.reference:
             job = jobs[-1]
-            own = probes["reference"]["knobs"]
-            own_caps = [cap for cap in caps.values() if cap is not None]
-            cap = max(own_caps, default=None) if job.bounces is None else job.bounces
-            jitter = next((value for value in filters.values() if value is not None), None)
-            differs = jitter is not None and largest_knob(own, "jitter") not in (None, jitter)
-            knobs = (("jitter", jitter),) if differs else ()
+            own = mean_of(probes["reference"]["knobs"])
+            wanted = reference_mean(means.values(), job.bounces)
+            jitter = (("jitter", wanted["jitter"]),) if "jitter" in differences(own, wanted, "") else ()
+            if "bounces" not in own:
+                wanted.pop("bounces", None)
             frames = max(1, settings.reference_frames // settings.reference_batches)
-            cap = cap if largest_knob(own, "bounces") is not None else None
-            still = replace(job, bounces=cap, knobs=knobs, frames=frames, at=(), windows=bool(self.corners))
+            still = replace(
+                job, bounces=wanted.get("bounces"), knobs=jitter, frames=frames, at=(), windows=bool(self.corners)
+            )
             batches = {view: self._batches(still, view) for view in dict.fromkeys(views.values())}
-            warnings += [
-                f"{label}: its bounce cap is {own_cap}, the reference's {cap}: the difference counts as error"
-                for label, own_cap in caps.items()
-                if own_cap not in (None, cap)
-            ]
+            for label, own in means.items():
+                for knob, words in differences(own, wanted, "the reference").items():
+                    advice = "; @gbuffer.jitter=false gives all the same" if knob == "jitter" else ""
+                    warnings.append(f"{label}: {words}: the difference counts as error{advice}")
         elif len(set(views.values())) > 1:
             raise UserError(
                 f"{settings.reference}: the frames measured show different things; one picture cannot be "
@@ -177,14 +176,7 @@ class Comparison:
             warnings.append("the scene has no animation that --fps could play")
         if settings.reference:
             header = given_reference.check(settings.reference, facts.scene_hash, settings.size)
-            warnings += given_reference.warnings_of(
-                settings.reference, header, settings, facts.environment_hash, caps, filters
-            )
-        elif len(set(filters.values()) - {None}) > 1:
-            warnings.append(
-                "the methods differ in their pixel filter (knob jitter); the reference has the first one's: the difference "
-                "counts as error; @gbuffer.jitter=false gives all the same"
-            )
+            warnings += given_reference.warnings_of(settings.reference, header, settings, facts.environment_hash, means)
         knobs = {job.label: probes[job.label]["knobs"] for job in methods}
         raised = settings.equal_frame_time
         if raised and all(equal_cost.start_of(own, raised) is None for own in knobs.values()):
@@ -416,6 +408,14 @@ def cost(job):
     """The job's share of the whole work: pixels times frames."""
     pixels = len(job.tiles) * job.tile**2 if job.windows else job.size[0] * job.size[1]
     return pixels * job.frames
+
+
+def reference_mean(means, cap):
+    """The mean_of() of a reference for methods of those: the bounce cap `cap`, or else the largest, and the pixel filter of
+    the first that has one."""
+    caps = [own["bounces"] for own in means if "bounces" in own] if cap is None else [cap]
+    filters = [own["jitter"] for own in means if "jitter" in own]
+    return {**({"bounces": max(caps)} if caps else {}), **({"jitter": filters[0]} if filters else {})}
 
 
 def largest_knob(knobs, name):

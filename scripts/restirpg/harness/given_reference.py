@@ -7,7 +7,7 @@ say nothing is known, and nothing is said.
 import json
 from pathlib import Path
 
-from restirpg.harness import UserError, render
+from restirpg.harness import UserError, mean_knobs, render
 
 HASH = "restirpg.sceneHash"
 KNOBS = "restirpg.knobs"
@@ -85,6 +85,8 @@ def _view(settings):
     }
 
 
+#: What gives methods the reference's knob.
+ADVICE = {"bounces": "--bounces {}", "jitter": "@gbuffer.jitter={}"}
 WORDS = {
     CAMERA: ("its camera is number", "0"),
     "restirpg.energyCompensation": ("its energy compensation is", "false"),
@@ -104,11 +106,10 @@ def origin(scene, facts, settings):
     }
 
 
-def warnings_of(file, header, settings, environment_hash, caps, filters):
+def warnings_of(file, header, settings, environment_hash, means):
     """Lines about what the reference shows otherwise than the methods do.
 
-    environment_hash: of scenes.Facts. caps, filters: {method's label: the largest value of its knob bounces, or jitter;
-    None: it has none}.
+    environment_hash: of scenes.Facts. means: {method's label: its mean_of()}.
     """
     if HASH not in header:
         return []
@@ -120,33 +121,17 @@ def warnings_of(file, header, settings, environment_hash, caps, filters):
         if own != wanted:
             told.append(f"{words} {own}, for the methods it is {wanted}")
     lines = [f"{file}: {words}: the difference counts as error" for words in told]
-    known = mean_of(header)
-    cap, jitter = known.get("bounces"), known.get("jitter")
-    for label, own in caps.items():
-        if None not in (own, cap) and own != cap:
-            lines.append(
-                f"{label}: its bounce cap is {own}, that of {file} is {cap}: the difference counts as error; "
-                f"--bounces {cap} sets it"
-            )
-    for label, own in filters.items():
-        if None not in (own, jitter) and own != jitter:
-            lines.append(
-                f"{label}: its pixel filter is jitter={json.dumps(own)}, that of {file} jitter={json.dumps(jitter)}: "
-                f"the difference counts as error; @gbuffer.jitter={json.dumps(jitter)} sets it"
-            )
+    known = mean_of_header(header)
+    for label, own in means.items():
+        for knob, words in mean_knobs.differences(own, known, file).items():
+            advice = ADVICE[knob].format(json.dumps(known[knob]))
+            lines.append(f"{label}: {words}: the difference counts as error; {advice} sets it")
     return lines
 
 
-def mean_of(header):
-    """{knob: value} of what the mean picture depends on, bounce cap and pixel filter, as far as the header says."""
-    found = {knob: _largest(header, knob) for knob in ("bounces", "jitter")}
-    return {knob: value for knob, value in found.items() if value is not None}
-
-
-def _largest(header, knob):
-    """Of the header's knobs by pass, or None; those of another program's file may be anything."""
+def mean_of_header(header):
+    """mean_of(), as far as a header says it; the knobs of another program's file may be anything."""
     try:
-        passes = json.loads(header.get(KNOBS, "{}"))
-        return max((values[knob] for values in passes.values() if knob in values), default=None)
+        return mean_knobs.mean_of(json.loads(header.get(KNOBS, "{}")))
     except (ValueError, TypeError, AttributeError):
-        return None
+        return {}

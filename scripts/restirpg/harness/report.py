@@ -17,8 +17,8 @@ import restirpg
 from restirpg.colour import luminance, relative_error
 from restirpg.harness import files, given_reference, plots, render, tables
 from restirpg.harness import statistics as st
-from restirpg.harness.comparison import largest_knob
 from restirpg.harness.jobs import file_name
+from restirpg.harness.mean_knobs import mean_of
 from restirpg.harness.paper import pictures
 
 from matplotlib import pyplot  # isort: skip  (plots has chosen the backend)
@@ -196,8 +196,8 @@ def _caps(settings, comparison):
     rows = []
     for plan in comparison.plans:
         of_scene = plan["methods"][0].bounces is not None
-        caps = {label: largest_knob(own, "bounces") for label, own in plan["knobs"].items()}
-        caps = {label: cap for label, cap in caps.items() if cap is not None}
+        means = {label: mean_of(own) for label, own in plan["knobs"].items()}
+        caps = {label: mean["bounces"] for label, mean in means.items() if "bounces" in mean}
         alike = len(set(caps.values())) == 1
         told = str(next(iter(caps.values()))) if alike else ", ".join(f"{label} {cap}" for label, cap in caps.items())
         whose = "the scene's own" if of_scene else "the graphs' own"

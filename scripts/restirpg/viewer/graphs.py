@@ -24,13 +24,6 @@ def panel(description, values):
     return passes
 
 
-def mean_of(values):
-    """{knob: value} of what the mean picture depends on: bounce cap and pixel filter, the largest of any pass. `values`: of
-    Renderer.knobs()."""
-    found = {name: [own[name] for own in values.values() if name in own] for name in ("bounces", "jitter")}
-    return {name: max(own) for name, own in found.items() if own}
-
-
 def image_ports(description):
     """{"pass.output": number of channels} of all ports that are float images."""
     ports = {}

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import restirpg
+from restirpg.harness.mean_knobs import mean_of
 
 from . import graphs
 
@@ -83,8 +84,8 @@ class Pane:
 
     @property
     def mean_of(self):
-        """See graphs.mean_of."""
-        return graphs.mean_of(self.renderer.knobs())
+        """See mean_knobs.py."""
+        return mean_of(self.renderer.knobs())
 
     @property
     def name(self):

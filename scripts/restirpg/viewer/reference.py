@@ -2,8 +2,7 @@
 tracer that is rendered beside the graphs while the camera rests."""
 
 import restirpg
-
-from . import graphs
+from restirpg.harness import mean_knobs
 
 SOURCES = ("none", "file", "traced")
 MOST_FRAMES = 1 << 16  # of the path tracer
@@ -23,12 +22,11 @@ _ABSENCE = {
     "file": "the reference shows the scene's own camera at 0 s",
     "traced": "no frame of the reference is traced yet",
 }
-_MEAN_OF = {"bounces": "bounce cap", "jitter": "pixel filter (jitter)"}
 
 
 class Reference:
-    """image: float32 (H, W, 3) of the scene's own camera, or None. mean_of: as graphs.mean_of has it, as far as it is known
-    of that image."""
+    """image: float32 (H, W, 3) of the scene's own camera, or None. mean_of: as mean_knobs.mean_of has it, as far as it is
+    known of that image."""
 
     def __init__(self, scene, size, options, image=None, mean_of=None):
         self._mean_of = mean_of or {}
@@ -51,8 +49,8 @@ class Reference:
 
     @property
     def mean_of(self):
-        """See graphs.mean_of; as far as it is known."""
-        return graphs.mean_of(self._renderer.knobs()) if self.source == "traced" else self._mean_of
+        """See mean_knobs.py; as far as it is known."""
+        return mean_knobs.mean_of(self._renderer.knobs()) if self.source == "traced" else self._mean_of
 
     def refusal(self, pane, truth):
         """Why the errors of a graph's picture are not measured against `truth`, of of(); None: they are."""
@@ -60,11 +58,7 @@ class Reference:
             return _ABSENCE[self.source]
         if pane.channels != truth.shape[2]:
             return f"its picture has not the reference's {truth.shape[2]} channels"
-        for knob, words in _MEAN_OF.items():
-            own, theirs = pane.mean_of.get(knob), self.mean_of.get(knob)
-            if None not in (own, theirs) and own != theirs:
-                return f"its {words} is {str(own).lower()}, that of the reference is {str(theirs).lower()}"
-        return None
+        return next(iter(mean_knobs.differences(pane.mean_of, self.mean_of, "the reference").values()), None)
 
     def reload(self):
         """Read the path tracer and its shaders anew, if it was made: its mean begins anew."""

@@ -131,9 +131,9 @@ def view(
             camera=0 if from_file else header.get(given_reference.CAMERA),
             energy_compensation=options.get("energy_compensation"),
         )
-        for line in given_reference.warnings_of(reference, header, asked, scene.environment_hash, {}, {}):
+        for line in given_reference.warnings_of(reference, header, asked, scene.environment_hash, {}):
             print(f"warning: {line}", file=sys.stderr)
-    mean_of = given_reference.mean_of(header)
+    mean_of = given_reference.mean_of_header(header)
     session = Session(scene, sources, size, image, captures, allow_outside, mean_of, **options)
     if pose is not None:
         session.apply({"do": "pose", **pose})
