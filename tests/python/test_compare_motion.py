@@ -63,9 +63,9 @@ def test_each_frame_is_measured_alone_and_against_its_own_reference(tmp_path):
 
 
 INJECTION = """
-from restirpg.harness.comparison import Comparison
-views = Comparison._views
-Comparison._views = lambda self, scene: {frame: view - 1 for frame, view in views(self, scene).items()}
+from restirpg.harness import plans
+views = plans.views_of
+plans.views_of = lambda *asked: {frame: view - 1 for frame, view in views(*asked).items()}
 """
 
 

@@ -57,9 +57,23 @@ def add_options(parser, **own):
         """The option's default, for its help."""
         return f" ({own.get(name, default)})" if own.get(name, default) else ""
 
+    _add_measured(parser, told, "" if "at" in own else "32, or ")
+    program.add_motion(parser)
+    _add_runs(parser)
+    _add_scene_options(parser)
+    _add_reference(parser, told)
+    parser.add_argument(
+        "--brief", action="store_true", help="print the verdict and one narrow table; tables.txt has them all"
+    )
+    program.add_runner(parser, "out/compare")
+    parser.set_defaults(**own)
+
+
+def _add_measured(parser, told, frames):
+    """What is measured, and at what cost."""
     add = parser.add_argument
     add("--size", type=program.size, default="160x90", metavar="WxH", help="pixels (%(default)s)")
-    add("--frames", type=program.positive, help=f"frames of a run ({'' if 'at' in own else '32, or '}the last of --at)")
+    add("--frames", type=program.positive, help=f"frames of a run ({frames}the last of --at)")
     add(
         "--at",
         type=program.frame_numbers,
@@ -90,14 +104,15 @@ def add_options(parser, **own):
         "method's does, and compare single frames there; what is found is kept as runs are: with another --cache times are "
         "measured again",
     )
-    add("--fps", type=program.length, default=0.0, metavar="F", help="play the scene's animation, F frames a second")
     add(
-        "--circle",
-        type=program.length,
-        default=0.0,
-        metavar="METRES",
-        help="move the camera on a circle of this radius in its image plane, 6 frames per turn",
+        "--denoise",
+        action="store_true",
+        help="also measure the error after denoising by Open Image Denoise (needs the package pyoidn)",
     )
+
+
+def _add_runs(parser):
+    add = parser.add_argument
     add("--seeds", type=program.positive, default=8, help="independent runs of each method (%(default)s)")
     add(
         "--base-seed",
@@ -105,6 +120,11 @@ def add_options(parser, **own):
         default=0,
         help="seed from which the seeds of all runs are derived (%(default)s)",
     )
+
+
+def _add_scene_options(parser):
+    """How a scene is loaded and seen."""
+    add = parser.add_argument
     add(
         "--bounces",
         type=program.bounces,
@@ -119,6 +139,11 @@ def add_options(parser, **own):
         action="store_true",
         help="rough metal and glass give back the light that single-scattering GGX loses",
     )
+
+
+def _add_reference(parser, told):
+    """What errors are measured against."""
+    add = parser.add_argument
     add("--reference", metavar="EXR", help="a picture to use as the reference, in place of a rendered one")
     add(
         "--reference-graph",
@@ -139,14 +164,6 @@ def add_options(parser, **own):
         metavar="R",
         help="independent batches of the reference, from which its own standard error is estimated (%(default)s)",
     )
-    add(
-        "--denoise",
-        action="store_true",
-        help="also measure the error after denoising by Open Image Denoise (needs the package pyoidn)",
-    )
-    add("--brief", action="store_true", help="print the verdict and one narrow table; tables.txt has them all")
-    program.add_runner(parser, "out/compare")
-    parser.set_defaults(**own)
 
 
 #: Options that the self-test reads; its pictures, runs and reference are its own.

@@ -13,8 +13,8 @@ from restirpg.harness import (
     denoised,
     equal_cost,
     equal_time,
-    given_reference,
     measure,
+    plans,
     reference,
     render,
     scenes,
@@ -22,7 +22,6 @@ from restirpg.harness import (
 )
 from restirpg.harness.collected import SceneRuns, warnings_of, with_knobs
 from restirpg.harness.jobs import Job, Method, digest, file_name, made_from, seed_of, without_places
-from restirpg.harness.mean_knobs import differences, mean_of
 from restirpg.harness.motion import Motion
 
 PATH_TRACER = os.path.relpath(f"{restirpg.GRAPHS}/path_tracer.py")  # from any folder
@@ -77,6 +76,30 @@ class Comparison:
     def prepare(self):
         """Check scenes, graphs and knobs before anything long starts; raises UserError."""
         settings = self.settings
+        self._check_settings()
+        self.code = render.code_version()
+        seed = seed_of(settings.base_seed, "tiles")
+        self.corners = tiles.choose(settings.size, settings.tiles, settings.tile_size, seed) if settings.tiles else ()
+        descriptions = {
+            method.graph: json.dumps(render.describe_graph(method.graph), sort_keys=True)
+            for method in self._all_methods()
+        }
+        self.plans = []
+        self.display.start(len(settings.scenes) * len(self._all_methods()), "checked")
+        for scene in settings.scenes:
+            facts = scenes.facts(self._pool, scene, settings.camera, settings.environment, settings.allow_outside)
+            jobs = self._jobs(scene, facts, descriptions)
+            probes = self._probe(jobs)
+            plan = plans.make(settings, facts, jobs, probes)
+            self.device.update({job.label: probes[job.label]["device"] for job in plan.methods})
+            self.plans.append(plan)
+        if settings.reference:
+            reference.read(settings.reference, settings.size)
+        self.display.stop()
+
+    def _check_settings(self):
+        """Raise UserError where the settings contradict each other."""
+        settings = self.settings
         if settings.denoise:
             render.check_denoiser()
         if settings.tiles and settings.denoise:
@@ -91,39 +114,26 @@ class Comparison:
                 raise UserError(f"two scenes would be called '{name}'; compare them one after the other")
         if settings.reference and len(names) > 1:
             raise UserError(f"{settings.reference}: one picture cannot be the reference of {len(names)} scenes")
-        self.code = code = render.code_version()
-        seed = seed_of(settings.base_seed, "tiles")
-        self.corners = tiles.choose(settings.size, settings.tiles, settings.tile_size, seed) if settings.tiles else ()
-        descriptions = {
-            method.graph: json.dumps(render.describe_graph(method.graph), sort_keys=True)
-            for method in self._all_methods()
-        }
-        self.plans = []
-        self.display.start(len(settings.scenes) * len(self._all_methods()), "checked")
-        for scene in settings.scenes:
-            facts = scenes.facts(self._pool, scene, settings.camera, settings.environment, settings.allow_outside)
-            base = made_from(
-                Job,
-                settings,
-                scene=scene,
-                scene_hash=facts.hash,
-                graph="",
-                description="",
-                frames=settings.at[-1] if settings.at else settings.frames,
-                seed=0,
-                code=code,
-                bounces=facts.bounces(settings.bounces),
-                reference=None,
-                tiles=self.corners,
-                tile=settings.tile_size if self.corners else 0,
-            )
-            jobs = [
-                replace(base, description=descriptions[method.graph], **vars(method)) for method in self._all_methods()
-            ]
-            self.plans.append(self._plan(facts, jobs, self._probe(jobs)))
-        if settings.reference:
-            reference.read(settings.reference, settings.size)
-        self.display.stop()
+
+    def _jobs(self, scene, facts, descriptions):
+        """A job of each of _all_methods(), of no seed yet. descriptions: by graph file."""
+        settings = self.settings
+        base = made_from(
+            Job,
+            settings,
+            scene=scene,
+            scene_hash=facts.hash,
+            graph="",
+            description="",
+            frames=settings.at[-1] if settings.at else settings.frames,
+            seed=0,
+            code=self.code,
+            bounces=facts.bounces(settings.bounces),
+            reference=None,
+            tiles=self.corners,
+            tile=settings.tile_size if self.corners else 0,
+        )
+        return [replace(base, description=descriptions[method.graph], **vars(method)) for method in self._all_methods()]
 
     def _all_methods(self):
         """The methods, and last the reference's graph unless the reference is a file."""
@@ -144,153 +154,84 @@ class Comparison:
             self.cache.store(keys[job.label], found[job.label])
         return {label: result["meta"] for label, result in found.items()}
 
-    def _plan(self, facts, jobs, probes):
-        """Reference jobs (by view, see _views) and method jobs of a scene, and what is to be said about them."""
-        warnings, batches, settings = [], {}, self.settings
-        views = self._views(facts)
-        methods = [job for job in jobs if job.label != "reference"]
-        self.device.update({job.label: probes[job.label]["device"] for job in methods})
-        means = {job.label: mean_of(probes[job.label]["knobs"]) for job in methods}
-        if not settings.reference:
-            job = jobs[-1]
-            own = mean_of(probes["reference"]["knobs"])
-            wanted = reference_mean(means.values(), job.bounces)
-            jitter = (("jitter", wanted["jitter"]),) if "jitter" in differences(own, wanted, "") else ()
-            if "bounces" not in own:
-                wanted.pop("bounces", None)
-            frames = max(1, settings.reference_frames // settings.reference_batches)
-            still = replace(
-                job, bounces=wanted.get("bounces"), knobs=jitter, frames=frames, at=(), windows=bool(self.corners)
-            )
-            batches = {view: self._batches(still, view) for view in dict.fromkeys(views.values())}
-            for label, own in means.items():
-                for knob, words in differences(own, wanted, "the reference").items():
-                    advice = "; @gbuffer.jitter=false gives all the same" if knob == "jitter" else ""
-                    warnings.append(f"{label}: {words}: the difference counts as error{advice}")
-        elif len(set(views.values())) > 1:
-            raise UserError(
-                f"{settings.reference}: the frames measured show different things; one picture cannot be "
-                "the reference of all"
-            )
-        if settings.motion and settings.motion.fps and not facts.animation:
-            warnings.append("the scene has no animation that --fps could play")
-        if settings.reference:
-            header = given_reference.check(settings.reference, facts.scene_hash, settings.size)
-            warnings += given_reference.warnings_of(settings.reference, header, settings, facts.environment_hash, means)
-        knobs = {job.label: probes[job.label]["knobs"] for job in methods}
-        raised = settings.equal_frame_time
-        if raised and all(equal_cost.start_of(own, raised) is None for own in knobs.values()):
-            raise UserError(
-                f"no method has a whole number '{raised}' that --equal-frame-time could raise; write it PASS.KNOB"
-            )
-        return {
-            "scene": jobs[0].scene,
-            "methods": methods,
-            "views": views,
-            "batches": batches,
-            "warnings": warnings,
-            "knobs": knobs,
-            "origin": given_reference.origin(jobs[0].scene, facts, settings),
-        }
-
-    def _views(self, facts):
-        """{measured frame: the first one that shows the same, whose reference it has}; {0: 0} of the mean."""
-        at, motion = self.settings.at, self.settings.motion
-        if not motion:
-            return dict.fromkeys(at or (0,), 0)
-        poses, first = {}, {}
-        for frame in range(1, at[-1] + 1):
-            step, seconds = motion.pose(frame)
-            poses[frame] = step, facts.held_since(seconds) if motion.fps else 0.0
-            first.setdefault(poses[frame], frame)
-        return {frame: first[poses[frame]] for frame in at}
-
-    def _batches(self, job, view):
-        """The jobs of a view's reference, independent of each other."""
-        return [
-            replace(
-                job,
-                still=view,
-                label=f"reference {number + 1}" + (f" of frame {view}" if view else ""),
-                seed=seed_of(self.settings.base_seed, "reference", number),
-            )
-            for number in range(self.settings.reference_batches)
-        ]
-
     def seeds(self):
         """The seeds of the runs: the same for every method, so that tests can be paired."""
         return [seed_of(self.settings.base_seed, "run", number) for number in range(self.settings.seeds)]
 
     def run(self):
         """Render what is missing. A scene whose reference fails is left out; see `failures`."""
-        results, work = [], 0
-        for plan in self.plans:
-            plan["jobs"] = [replace(job, seed=seed) for seed in self.seeds() for job in plan["methods"]]
-            work += sum(cost(job) for jobs in (*plan["batches"].values(), plan["jobs"]) for job in jobs)
-        self.display.start(work)
-        for plan in self.plans:
-            if self.corners:  # such runs keep their pictures and take longest: they are there before the reference is
-                self.render(plan["jobs"])
-            references = self._references(plan)
-            if None in references.values():
-                self.failures.append(f"{plan['scene']}: left out: its reference failed")
-                self.display.skip(0 if self.corners else sum(cost(job) for job in plan["jobs"]))
-                continue
-            keys = [references[view] for view in plan["views"].values()]
-            named = {"references": tuple(keys)} if self.settings.at else {"reference": keys[0]}
-            jobs = plan["jobs"] if self.corners else [replace(job, **named) for job in plan["jobs"]]
-            if not self.corners:
-                self.render(jobs)
-            found, added = self._equal_frame_time(plan, jobs)
-            further = [job for jobs in added.values() for job in jobs]
-            self.display.extend(sum(cost(job) for job in further))
-            self.render(further)
-            collected = self._collect(plan, keys, jobs, added)
-            if found:  # a bracket of which a setting has no run is none
-                brackets = {
-                    label: bracket
-                    for label, bracket in found.brackets.items()
-                    if all(key in collected.raised for key in bracket.keys(label))
-                }
-                found = replace(found, brackets=brackets)
-            results.append(replace(collected, equal_cost=found))
+        jobs = [plan.jobs(self.seeds()) for plan in self.plans]
+        batches = [job for plan in self.plans for own in plan.batches.values() for job in own]
+        self.display.start(total_cost([*batches, *(job for own in jobs for job in own)]))
+        found = [self._scene(plan, own) for plan, own in zip(self.plans, jobs)]
         self.display.stop()
-        return results
+        return [each for each in found if each]
+
+    def _scene(self, plan, jobs):
+        """The SceneRuns of a plan; None where its reference fails."""
+        if self.corners:  # such runs keep their pictures and take longest: they are there before the reference is
+            self.render(jobs)
+        references = self._references(plan)
+        if None in references.values():
+            self.failures.append(f"{plan.scene}: left out: its reference failed")
+            self.display.skip(0 if self.corners else total_cost(jobs))
+            return None
+        keys = [references[view] for view in plan.views.values()]
+        if not self.corners:
+            named = {"references": tuple(keys)} if self.settings.at else {"reference": keys[0]}
+            jobs = [replace(job, **named) for job in jobs]
+            self.render(jobs)
+        equal, added, warnings = self._equal_frame_time(plan, jobs)
+        further = [job for raised in added.values() for job in raised]
+        self.display.extend(total_cost(further))
+        self.render(further)
+        collected = self._collect(replace(plan, warnings=[*plan.warnings, *warnings]), keys, jobs, added)
+        if equal:  # a bracket of which a setting has no run is none
+            brackets = {
+                label: bracket
+                for label, bracket in equal.brackets.items()
+                if all(key in collected.raised for key in bracket.keys(label))
+            }
+            equal = replace(equal, brackets=brackets)
+        return replace(collected, equal_cost=equal)
 
     def _equal_frame_time(self, plan, jobs):
         """(an EqualCost, {(label, value): the jobs of a cheaper method with the knob raised to one of the neighbouring
-        settings}); (None, {}) unless asked for.
+        settings}, warnings); (None, {}, []) unless asked for.
         """
-        knob, brackets, added = self.settings.equal_frame_time, {}, {}
+        knob, brackets, added, warnings = self.settings.equal_frame_time, {}, {}, []
         runs = {}
         for job in jobs if knob else ():
             if result := self.cache.load(job.key):
                 runs.setdefault(job.label, []).append(result)
         if len(runs) < 2:
-            return None, {}
+            return None, {}, []
         other = next(job for job in jobs if job.label == equal_cost.slowest(runs))
-        for job in plan["methods"]:
+        for job in plan.methods:
             if job.label not in runs or job.label == other.label:
                 continue
-            start = equal_cost.start_of(plan["knobs"][job.label], knob)
+            start = equal_cost.start_of(plan.knobs[job.label], knob)
             if start is None:
-                plan["warnings"].append(
+                warnings.append(
                     f"{job.label}: it has no {knob} to raise: its frames stay cheaper than those of {other.label}"
                 )
                 continue
-            call = equal_time.search_call(job, replace(other, seed=0), knob, start)
-            for _, failure, _ in self._pool.run([call] if self.cache.load(call.key) is None else [], kind="call"):
-                if failure:
-                    self.failures.append(f"{call.scene}, {call.label}: {failure}")
-            answer = self.cache.load(call.key)
-            bracket = answer and equal_cost.bracket_of(answer, knob)
+            bracket = self._bracket(equal_time.search_call(job, replace(other, seed=0), knob, start), knob)
             if not bracket:
                 continue
             brackets[job.label] = bracket
             own = [each for each in jobs if each.label == job.label]
             for key in bracket.keys(job.label):
                 added[key] = [equal_cost.raised(each, knob, start, key[1]) for each in own]
-        return equal_cost.EqualCost(other.label, brackets), added
+        return equal_cost.EqualCost(other.label, brackets), added, warnings
+
+    def _bracket(self, call, knob):
+        """The Bracket that a search_call() finds, or None."""
+        for _, failure, _ in self._pool.run([call] if self.cache.load(call.key) is None else [], kind="call"):
+            if failure:
+                self.failures.append(f"{call.scene}, {call.label}: {failure}")
+        answer = self.cache.load(call.key)
+        return answer and equal_cost.bracket_of(answer, knob)
 
     def _references(self, plan):
         """{view: key of its reference, in the cache by then, or None when it failed}."""
@@ -298,13 +239,13 @@ class Comparison:
             key, _ = reference.from_exr(
                 self.cache, self.settings.reference, self.settings.size, self.corners, self.settings.tile_size
             )
-            return dict.fromkeys(plan["views"].values(), key)
-        return {view: self._reference(batches) for view, batches in plan["batches"].items()}
+            return dict.fromkeys(plan.views.values(), key)
+        return {view: self._reference(batches) for view, batches in plan.batches.items()}
 
     def _reference(self, batches):
         key = reference.key_of_batches(batches)
         if self.cache.load(key):
-            self.display.skip(sum(cost(job) for job in batches))
+            self.display.skip(total_cost(batches))
             return key
         if self.render(batches):
             return None
@@ -314,7 +255,7 @@ class Comparison:
     def render(self, jobs):
         """Run the jobs that are not in the cache; returns how many failed, each already reported."""
         missing = [job for job in jobs if self.cache.load(job.key) is None]
-        self.display.skip(sum(cost(job) for job in jobs) - sum(cost(job) for job in missing))
+        self.display.skip(total_cost(jobs) - total_cost(missing))
         failed = 0
         for job, failure, _ in self._pool.run(
             missing,
@@ -330,55 +271,58 @@ class Comparison:
         return failed
 
     def _collect(self, plan, keys, jobs, added):
-        """Results by method, of the seeds that every method with any result finished: tests are paired.
-
-        keys: of the reference of each measured frame. added: as _equal_frame_time() gives it.
-        """
+        """The SceneRuns. keys: of the reference of each measured frame. added: as _equal_frame_time() gives it."""
         truth = self.cache.need(keys[-1])
         noise = {key: reference.noise(self.cache.need(key)) for key in set(keys)} if self.settings.at else {}
-        truths = [self.cache.need(key)["mean"] for key in keys] if self.corners else []
-        named = [(job.label, job) for job in jobs] + [(name, job) for name, jobs in added.items() for job in jobs]
-        results = {name: {} for name, _ in named}
-        for name, job in named:
-            result = self.cache.load(job.key)
-            if result:
-                results[name][job.seed] = result
-                if self.corners:
-                    measure.measure_tiles(result, truths, self.settings.tile_size)
-        finished = {label: runs for label, runs in results.items() if runs}
-        baseline = plan["methods"][0].label
-        if baseline not in finished:
-            self.failures.append(f"{plan['scene']}: left out: no run of '{baseline}', the baseline, was finished")
-            finished = {}
-        seeds = [
-            seed for seed in dict.fromkeys(job.seed for job in jobs) if all(seed in runs for runs in finished.values())
-        ]
-        found = {name: [by_seed[seed] for seed in seeds] for name, by_seed in finished.items()} if seeds else {}
+        by_name = {each.label: [job for job in jobs if job.label == each.label] for each in plan.methods}
+        results = {name: self._results(own, keys) for name, own in {**by_name, **added}.items()}
+        found, warnings = self._paired(plan, results)
         runs = {name: by_seed for name, by_seed in found.items() if name not in added}
         raised = {name: by_seed for name, by_seed in found.items() if name in added}
-        descriptions = {
-            job.label: with_knobs(json.loads(without_places(job.description)), plan["knobs"][job.label])
-            for job in plan["methods"]
-        }
-        warnings = list(plan["warnings"])
-        if finished and len(seeds) < self.settings.seeds:
-            left_out = self.settings.seeds - len(seeds)
-            warnings.append(f"{left_out} of {self.settings.seeds} seeds are left out: a run failed")
         every = {**runs, **{added[name][0].label: by_seed for name, by_seed in raised.items()}}
-        warnings += warnings_of(every, [self.cache.need(key)["meta"] for key in set(keys)])
+        references = [self.cache.need(key)["meta"] for key in set(keys)]
         return SceneRuns(
-            plan["scene"],
+            plan.scene,
             truth,
             runs,
-            descriptions,
-            warnings,
+            self._descriptions(plan),
+            [*plan.warnings, *warnings, *warnings_of(every, references)],
             self.settings.at,
             tuple(noise[key] for key in keys if noise),
-            self._denoised(plan["methods"][0], runs, truth) if self.settings.denoise and runs else {},
+            self._denoised(plan.methods[0], runs, truth) if self.settings.denoise and runs else {},
             self._without(plan, runs),
             raised=raised,
-            origin=plan["origin"],
+            origin=plan.origin,
         )
+
+    def _results(self, jobs, keys):
+        """{seed: result} of the jobs that were finished, of tiles with their errors."""
+        truths = [self.cache.need(key)["mean"] for key in keys] if self.corners else []
+        found = {job.seed: result for job in jobs if (result := self.cache.load(job.key))}
+        for result in found.values() if self.corners else ():
+            measure.measure_tiles(result, truths, self.settings.tile_size)
+        return found
+
+    def _paired(self, plan, results):
+        """({name: results by seed}, warnings), of the seeds that every method with any result finished: tests are
+        paired. results: name -> seed -> result."""
+        finished = {name: runs for name, runs in results.items() if runs}
+        baseline = plan.methods[0].label
+        if baseline not in finished:
+            self.failures.append(f"{plan.scene}: left out: no run of '{baseline}', the baseline, was finished")
+            return {}, []
+        seeds = [seed for seed in self.seeds() if all(seed in runs for runs in finished.values())]
+        found = {name: [by_seed[seed] for seed in seeds] for name, by_seed in finished.items()} if seeds else {}
+        left_out = self.settings.seeds - len(seeds)
+        return found, [f"{left_out} of {self.settings.seeds} seeds are left out: a run failed"] if left_out else []
+
+    @staticmethod
+    def _descriptions(plan):
+        """{method label: its graph with the knobs as they were}."""
+        return {
+            job.label: with_knobs(json.loads(without_places(job.description)), plan.knobs[job.label])
+            for job in plan.methods
+        }
 
     def _denoised(self, job, runs, truth):
         """{method label: denoised.of_runs()}, or {} with a failure where the features could not be rendered."""
@@ -394,13 +338,13 @@ class Comparison:
 
     def _without(self, plan, runs):
         """Of tiles: the methods' errors with one batch of the references left out at a time."""
-        if not self.corners or not plan["batches"] or self.settings.reference_batches < 2:
+        if not self.corners or not plan.batches or self.settings.reference_batches < 2:
             return {}
         stacks = {
             view: np.array([np.nan_to_num(self.cache.need(job.key)["image"]) for job in jobs])
-            for view, jobs in plan["batches"].items()
+            for view, jobs in plan.batches.items()
         }
-        views = [stacks[view] for view in plan["views"].values()]
+        views = [stacks[view] for view in plan.views.values()]
         return tiles.reference_errors(runs, views, self.settings.tile_size)
 
 
@@ -410,12 +354,9 @@ def cost(job):
     return pixels * job.frames
 
 
-def reference_mean(means, cap):
-    """The mean_of() of a reference for methods of those: the bounce cap `cap`, or else the largest, and the pixel filter of
-    the first that has one."""
-    caps = [own["bounces"] for own in means if "bounces" in own] if cap is None else [cap]
-    filters = [own["jitter"] for own in means if "jitter" in own]
-    return {**({"bounces": max(caps)} if caps else {}), **({"jitter": filters[0]} if filters else {})}
+def total_cost(jobs):
+    """Of all of them."""
+    return sum(map(cost, jobs))
 
 
 def largest_knob(knobs, name):

@@ -31,18 +31,9 @@ def run(job, load=lambda key: None, tick=lambda frames: None, renderers=None):
         return _run_windows(job, tick, renderers or Renderers())
     tick(0)
     renderer, home = (renderers or Renderers()).begin(job)
-    measured = job.frames_measured()
     port = frame_port(json.loads(job.description), job.output)
-    errors, stacks, wall = _Errors(load), [], 0.0
-    for frame in range(1, measured[-1] + 1):
-        if job.motion:
-            job.motion.apply(renderer, home, job.still or frame)
-        start = time.perf_counter()
-        renderer.render(1)
-        wall += 1e3 * (time.perf_counter() - start)
-        tick(1)
-        if frame not in measured:
-            continue
+    errors, stacks = _Errors(load), []
+    for frame, wall in _measured(renderer, home, job, tick):
         alone = _picture(renderer, port, job)
         image = alone if job.at else _picture(renderer, job.output, job)
         if job.tiles or job.reference_of(frame):
@@ -56,7 +47,7 @@ def run(job, load=lambda key: None, tick=lambda frames: None, renderers=None):
         whole = {"whole": np.clip(alone, 0, LARGEST_HALF).astype(np.float16), "pictures": np.array(stacks)}
         image = alone = stacks[-1]
     return {
-        "frames": np.array(measured),
+        "frames": np.array(job.frames_measured()),
         **errors.columns(),
         **whole,
         "image": image,
@@ -65,13 +56,23 @@ def run(job, load=lambda key: None, tick=lambda frames: None, renderers=None):
         "meta": {
             "passes": {name: ms / frame for name, ms in renderer.total_gpu_times().items()},
             "memory": dict(renderer.memory()),
-            "device": dict(renderer.device_info),
-            "knobs": renderer.knobs(),
-            "wall_ms": wall,
-            "invalid": int(np.sum(~np.isfinite(image).all(axis=-1))),
-            "dropped": dropped_samples(renderer),
+            **_meta(renderer, image, wall, dropped_samples(renderer)),
         },
     }
+
+
+def _measured(renderer, home, job, tick):
+    """Render the run's frames; yields (frame, wall-clock ms of all so far) after each that is measured."""
+    measured, wall = job.frames_measured(), 0.0
+    for frame in range(1, measured[-1] + 1):
+        if job.motion:
+            job.motion.apply(renderer, home, job.still or frame)
+        start = time.perf_counter()
+        renderer.render(1)
+        wall += 1e3 * (time.perf_counter() - start)
+        tick(1)
+        if frame in measured:
+            yield frame, wall
 
 
 def _run_windows(job, tick, renderers):
@@ -88,15 +89,17 @@ def _run_windows(job, tick, renderers):
         dropped += dropped_samples(renderer)
         tick(job.frames / len(job.tiles))
     image = np.concatenate(parts)
+    return {"image": image, "meta": _meta(renderer, image, 1e3 * (time.perf_counter() - start), dropped)}
+
+
+def _meta(renderer, image, wall, dropped):
+    """What both kinds of runs say of themselves."""
     return {
-        "image": image,
-        "meta": {
-            "device": dict(renderer.device_info),
-            "knobs": renderer.knobs(),
-            "wall_ms": 1e3 * (time.perf_counter() - start),
-            "invalid": int(np.sum(~np.isfinite(image).all(axis=-1))),
-            "dropped": dropped,
-        },
+        "device": dict(renderer.device_info),
+        "knobs": renderer.knobs(),
+        "wall_ms": wall,
+        "invalid": int(np.sum(~np.isfinite(image).all(axis=-1))),
+        "dropped": dropped,
     }
 
 

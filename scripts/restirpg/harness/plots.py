@@ -95,7 +95,7 @@ def error_curves(scene, metric, over):
     for number, method in enumerate(scene.methods):
         x = method.frames if over == "frames" else method.gpu_ms.mean(axis=0) / 1e3
         values = method.curves[metric] * (100 if metric in PERCENT else 1)
-        known = ~np.isnan(values).any(axis=0)  # of a frame alone it is not, where the one before was not read
+        known = ~np.isnan(values).any(axis=0)  # a picture without a valid pixel has no error
         x, values = x[known], values[:, known]
         _curve(axes, x, values, number, method.label)
         positive &= bool(values.size and np.all(values.mean(axis=0) > 0))

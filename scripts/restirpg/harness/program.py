@@ -11,6 +11,7 @@ from pathlib import Path
 from restirpg.harness import UserError, files
 from restirpg.harness.cache import Cache
 from restirpg.harness.display import Display
+from restirpg.harness.motion import TURN
 from restirpg.harness.workers import one_line, open_pool
 
 LARGEST = 10**6  # of counts on a command line: plans are made of each frame and run
@@ -68,6 +69,20 @@ def add_allow_outside(parser):
     """What a scene may read, as `restirpg render` has it."""
     parser.add_argument(
         "--allow-outside", action="store_true", help="let a scene read files that lie outside of its own folder"
+    )
+
+
+def add_motion(parser):
+    """What a Motion is made of."""
+    parser.add_argument(
+        "--fps", type=length, default=0.0, metavar="F", help="play the scene's animation, F frames per second"
+    )
+    parser.add_argument(
+        "--circle",
+        type=length,
+        default=0.0,
+        metavar="METRES",
+        help=f"move the camera on a circle of this radius in its image plane, {TURN} frames per turn",
     )
 
 

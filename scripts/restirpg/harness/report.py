@@ -195,13 +195,13 @@ def _caps(settings, comparison):
         return [("bounce cap", str(settings.bounces))]
     rows = []
     for plan in comparison.plans:
-        of_scene = plan["methods"][0].bounces is not None
-        means = {label: mean_of(own) for label, own in plan["knobs"].items()}
+        of_scene = plan.methods[0].bounces is not None
+        means = {label: mean_of(own) for label, own in plan.knobs.items()}
         caps = {label: mean["bounces"] for label, mean in means.items() if "bounces" in mean}
         alike = len(set(caps.values())) == 1
         told = str(next(iter(caps.values()))) if alike else ", ".join(f"{label} {cap}" for label, cap in caps.items())
         whose = "the scene's own" if of_scene else "the graphs' own"
-        rows.append((f"bounce cap of {plan['scene']}", f"{told or 'none'} ({whose})"))
+        rows.append((f"bounce cap of {plan.scene}", f"{told or 'none'} ({whose})"))
     return rows
 
 
@@ -224,7 +224,7 @@ def _provenance(settings, comparison, program):
         )
         for method in settings.methods
     ]
-    return rows + [(f"scene {plan['scene']}", f"content {plan['methods'][0].scene_hash}") for plan in comparison.plans]
+    return rows + [(f"scene {plan.scene}", f"content {plan.methods[0].scene_hash}") for plan in comparison.plans]
 
 
 def template(name):
