@@ -11,6 +11,7 @@ import time
 import pytest
 from harness_runs import ENVIRONMENT, arguments, changed, compare, tables
 
+from restirpg.harness import cluster
 from restirpg.harness.jobs import seed_of
 
 distributed = pytest.importorskip(
@@ -107,6 +108,12 @@ def test_a_run_that_fails_is_reported_as_with_local_workers(tmp_path, scheduler,
     bad = f"plain.json@fail_seed={seed_of(0, 'run', 2)},label=bad"
     run = compare(tmp_path, "plain.json", bad, scheduler=scheduler)
     assert run.returncode == 1 and "the device was lost" in run.stderr
+
+
+def test_a_fault_of_a_worker_leaves_its_traceback_in_the_worker_s_log(capfd):
+    failure, answer = cluster.serve("run", b"no pickle")
+    assert failure and "\n" not in failure and answer is None
+    assert "Traceback" in capfd.readouterr().err
 
 
 def test_a_worker_s_driver_is_told_what_the_asker_s_is_but_once(tmp_path, scheduler, two_workers, monkeypatch):

@@ -11,6 +11,7 @@ import os
 import pickle
 import sys
 import threading
+import traceback
 import uuid
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, replace
@@ -137,7 +138,8 @@ def _task(modules):
 
 
 def serve(kind, payload):
-    """Do a task in a worker; returns (failure, answer): a line of text or None, and what Worker.do returns.
+    """Do a task in a worker; returns (failure, answer): a line of text or None, and what Worker.do returns. The worker's
+    own log has the traceback of a failure.
 
     Raises Halt.
     """
@@ -151,6 +153,7 @@ def serve(kind, payload):
         except Halt:
             raise
         except Exception as error:
+            traceback.print_exc()
             return workers.one_line(error), None
 
 

@@ -11,10 +11,11 @@ from restirpg.harness import UserError
 _IDLE = 0.25  # s between two looks for edited files while nothing is rendered
 
 
-def message_of(error):
-    """What a page shows of an exception."""
+def told(error):
+    """What a page shows of an exception: one line. Of one that is no user's mistake the traceback goes to stderr."""
     if isinstance(error, (UserError, restirpg.Error)):
         return str(error)
+    traceback.print_exception(error)
     return f"{type(error).__name__}: {error}"
 
 
@@ -126,7 +127,5 @@ class RenderThread(threading.Thread):
         self._publish(frame=frame)
 
     def _report(self, error):
-        if not isinstance(error, (UserError, restirpg.Error)):
-            traceback.print_exception(error)
-        self._publish(error=message_of(error))
+        self._publish(error=told(error))
         self._publish(state=self._session.state())

@@ -16,7 +16,7 @@ from pathlib import Path
 from aiohttp import WSMsgType, web
 
 from . import capture
-from .rendering import message_of
+from .rendering import told
 from .values import as_json
 
 PAGE = Path(__file__).parent / "page"
@@ -126,7 +126,7 @@ class Server:
             found = self.thread.submit(capture.make, self._session, request.match_info["name"], pane)
             data, content_type, name = await asyncio.wrap_future(found)
         except Exception as error:
-            raise web.HTTPBadRequest(text=message_of(error) + "\n") from None
+            raise web.HTTPBadRequest(text=told(error) + "\n") from None
         return web.Response(
             body=data, content_type=content_type, headers={"Content-Disposition": f'attachment; filename="{name}"'}
         )
@@ -157,7 +157,7 @@ class Server:
             if future.cancelled():
                 return
             if error := future.exception():
-                self._note(client, error=message_of(error))
+                self._note(client, error=told(error))
             else:
                 setattr(client, name, future.result())
             client.news.set()
@@ -201,7 +201,7 @@ class Server:
             if done.cancelled():
                 return
             if error := done.exception():
-                self._note(client, error=message_of(error), refused=number)
+                self._note(client, error=told(error), refused=number)
             elif name:
                 self._note(client, **{name: done.result()})
 

@@ -18,6 +18,7 @@ Image = pytest.importorskip("PIL.Image", reason="Pillow is not installed: the vi
 
 import viewer_monkey  # noqa: E402
 
+from restirpg.viewer import capture  # noqa: E402
 from restirpg.viewer.values import as_json  # noqa: E402
 
 SIZE = (16, 16)
@@ -218,6 +219,30 @@ def test_an_exception_in_rendering_is_shown_and_the_viewer_lives(viewer, monkeyp
         return error
 
     assert with_tab(viewer, body)[0] == {"error": "ZeroDivisionError: a fault in a test"}
+
+
+def test_a_fault_in_an_answer_is_one_line_and_its_traceback_is_printed(viewer, monkeypatch, capsys):
+    def broken(*_):
+        raise ZeroDivisionError("a fault in a test")
+
+    async def body(tab):
+        await tab.send(do="inspect", x=-1, y=0)
+        mistake, _ = await tab.until(lambda kind, content: "error" in content)
+        before = capsys.readouterr().err
+        monkeypatch.setattr(viewer.session.panes[0], "pixel", broken)
+        await tab.send(do="inspect", x=1, y=1)
+        fault, _ = await tab.until(lambda kind, content: "error" in content)
+        monkeypatch.undo()
+        return mistake["error"], before, fault["error"]
+
+    mistake, before, fault = with_tab(viewer, body)[0]
+    assert mistake.startswith("pixel -1 0 is not one") and not before
+    assert fault == "ZeroDivisionError: a fault in a test"
+    printed = capsys.readouterr().err
+    assert printed.startswith("Traceback ") and "in broken" in printed
+    monkeypatch.setitem(capture._KINDS, "picture.png", (broken, "image/png"))
+    assert fetch(viewer.url + "capture/picture.png")[2] == b"ZeroDivisionError: a fault in a test\n"
+    assert "in broken" in capsys.readouterr().err
 
 
 def test_pictures_come_again_once_what_failed_is_changed(viewer, monkeypatch, capsys):
