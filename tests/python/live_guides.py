@@ -6,10 +6,10 @@ that ReSTIR keeps: frame FRAME of each of RUNS runs is one sample. Graphs name t
 
 from direct_light import TREES
 from indirect_light import BOUNCES, path_tracer
-from means import reference_of
+from means import independent_runs, reference_of
 from renderer_scenes import make_renderer
 
-from restirpg.harness.unbiased import compare, independent_runs
+from restirpg.harness.unbiased import compare
 
 SIZE = (20, 20)
 RUNS = 64

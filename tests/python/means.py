@@ -1,11 +1,11 @@
-"""Means of runs: a long run as a reference, and Welch's test of whether two sets of runs have one mean."""
+"""Means of runs: independent runs, a long run as a reference, and Welch's test of whether two sets of runs have one mean."""
 
 import numpy as np
 from renderer_scenes import check_samples
 
 from restirpg.colour import luminance
 from restirpg.harness.statistics import welch
-from restirpg.harness.unbiased import Reference
+from restirpg.harness.unbiased import Reference, run_seed
 
 FALSE_ALARM = 6e-5  # of a test: what lies beyond four standard deviations of a normal distribution
 
@@ -32,3 +32,29 @@ def reference_of(renderer, frames, mean="image", variance="variance", invalid="i
     # The standard deviation of a luminance is at most that of fully correlated channels.
     deviation = luminance(np.sqrt(renderer.output(variance)))
     return Reference(luminance(renderer.output(mean)), deviation**2 / frames)
+
+
+def frames_of_run(renderer, seed, frames, before_frame=None, output="radiance"):
+    """Luminance, (len(frames), H, W), of the frames (ascending, counted from 1) of one run.
+
+    `output` shows one frame, no mean over frames. `before_frame`(renderer, k) may move the camera or nodes. Fails
+    where the graph's output `invalid` has counted a sample.
+    """
+    renderer.seed = seed
+    renderer.cut()
+    images = []
+    for k in range(1, max(frames) + 1):
+        if before_frame:
+            before_frame(renderer, k)
+        renderer.render(1)
+        if k in frames:
+            images.append(luminance(renderer.output(output)[..., :3]))
+    if "invalid" in renderer.output_names:
+        check_samples(renderer)
+    return np.array(images)
+
+
+def independent_runs(renderer, runs, frames, before_frame=None, output="radiance", family=0):
+    """The given frames of each run: {k: (runs, H, W)}. Another `family` has other random numbers."""
+    samples = [frames_of_run(renderer, run_seed(run, family), frames, before_frame, output) for run in range(runs)]
+    return dict(zip(frames, np.array(samples).swapaxes(0, 1)))

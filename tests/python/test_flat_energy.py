@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from direct_light import TREES
 from indirect_light import BOUNCES, path_tracer, restir
+from means import independent_runs
 from mutants import mutant
 from renderer_scenes import make_renderer
 from scipy import stats
 
 from restirpg.harness.statistics import LEVEL
-from restirpg.harness.unbiased import independent_runs
 
 RUNS, FRAME, SIZE = 96, 6, (24, 24)
 BATCHES, BATCH_FRAMES = 96, 2  # of the path tracer, with TREES

@@ -6,11 +6,12 @@ Null hypothesis and false-alarm rate of the rendered tests: see scripts/restirpg
 import numpy as np
 import pytest
 from direct_light import direct_graph, make_reference, write_every_light, write_open_floor
+from means import independent_runs
 from mutants import mutant
 from renderer_scenes import SIZE, make_renderer, restirpg
 
 from restirpg.harness.statistics import LEVEL
-from restirpg.harness.unbiased import compare, independent_runs
+from restirpg.harness.unbiased import compare
 
 RUNS = 64
 FRAMES = 8

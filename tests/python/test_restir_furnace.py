@@ -9,11 +9,10 @@ of freedom are a false alarm of 0.1% a case. Without light samples a candidate's
 import numpy as np
 import pytest
 from furnace_scenes import BRUSHED, MIRROR, PANE, closed_box, dark_half, standard_errors_off, upright_strips
+from means import independent_runs
 from mutants import mutant
 from path_scenes import add_reuse
 from renderer_scenes import restirpg
-
-from restirpg.harness.unbiased import independent_runs
 
 ALBEDO, BOUNCES = 0.8, 2
 RUNS, FRAMES, LIMIT = 32, 4, 3.7

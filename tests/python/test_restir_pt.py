@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 from direct_light import TREES, write_every_light
 from indirect_light import BOUNCES, path_tracer, restir, run_means
-from means import differ, reference_of
+from means import differ, independent_runs, reference_of
 from mutants import mutant
 from path_scenes import write_panes
 from renderer_scenes import make_renderer, restirpg
 
 from restirpg.colour import luminance
-from restirpg.harness.unbiased import compare, independent_runs
+from restirpg.harness.unbiased import compare
 
 RUNS, FRAMES, REFERENCE_PATHS = 64, (1, 8), 4096
 LARGEST_UNSEEN = {"every_light": 0.06, "glass": 0.13}  # of the image mean; caustics of the glass are noisy

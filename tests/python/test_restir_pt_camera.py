@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from direct_light import TREES
 from indirect_light import BOUNCES, path_tracer, restir
-from means import reference_of
+from means import independent_runs, reference_of
 from mutants import mutant
 from renderer_scenes import make_renderer, restirpg
 
-from restirpg.harness.unbiased import compare, independent_runs
+from restirpg.harness.unbiased import compare
 from restirpg.scenes import shapes
 from restirpg.scenes.gltf import Material, SceneFile, emitter, lambert
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from direct_light import TREES
 from indirect_light import BOUNCES, path_tracer, restir
+from means import independent_runs
 from renderer_scenes import make_renderer, restirpg
 
-from restirpg.harness.unbiased import independent_runs
 from restirpg.scenes import shapes
 from restirpg.scenes.gltf import SceneFile, emitter, lambert
 

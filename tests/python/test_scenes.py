@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from restirpg.scenes import SCENES, implicit, shapes, textures
+from restirpg.scenes import SCENES, furniture, implicit, shapes, textures
 from restirpg.scenes.gltf import SceneFile, glass, lambert, look_at
 from restirpg.scenes.images import encode_hdr, encode_png
 
@@ -204,7 +204,7 @@ def test_animations_loop(glbs, name):
         shapes.cylinder(1, 2, bevel=0.1),
         shapes.sphere(1),
         shapes.icosphere(1, 2),
-        shapes.torus(1, 0.3),
+        furniture.trefoil_knot(),
         shapes.tube(shapes.bezier([(0, 0, 0), (1, 0, 0), (1, 1, 0)], 12), 0.1),
         implicit.mesh_isosurface(lambda p: np.linalg.norm(p, axis=-1) - 1, (-1.2,) * 3, (1.2,) * 3, 0.1),
     ],

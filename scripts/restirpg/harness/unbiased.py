@@ -16,7 +16,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from restirpg.colour import luminance
 from restirpg.harness import UserError
 from restirpg.harness.jobs import seed_of
 from restirpg.harness.statistics import LEVEL, Test, block_means, t_quantile, t_two_sided
@@ -86,32 +85,6 @@ class Verdict:
 def run_seed(run, *parts):
     """The seed of a run, hashed: consecutive seeds are no independent ones everywhere."""
     return seed_of("unbiased", *parts, run)
-
-
-def frames_of_run(renderer, seed, frames, before_frame=None, output="radiance"):
-    """Luminance, (len(frames), H, W), of the frames (ascending, counted from 1) of one run.
-
-    `output` shows one frame, no mean over frames. `before_frame`(renderer, k) may move the camera or nodes. Raises
-    UserError where the graph's output `invalid` has counted a NaN or infinite sample.
-    """
-    renderer.seed = seed
-    renderer.cut()
-    images = []
-    for k in range(1, max(frames) + 1):
-        if before_frame:
-            before_frame(renderer, k)
-        renderer.render(1)
-        if k in frames:
-            images.append(luminance(renderer.output(output)[..., :3]))
-    if "invalid" in renderer.output_names and (dropped := renderer.output("invalid").sum()):
-        raise UserError(f"{dropped:.0f} samples of a run are NaN, infinite or too large")
-    return np.array(images)
-
-
-def independent_runs(renderer, runs, frames, before_frame=None, output="radiance", family=0):
-    """The given frames of each run: {k: (runs, H, W)}. Another `family` has other random numbers."""
-    samples = [frames_of_run(renderer, run_seed(run, family), frames, before_frame, output) for run in range(runs)]
-    return dict(zip(frames, np.array(samples).swapaxes(0, 1)))
 
 
 def check(samples, reference):

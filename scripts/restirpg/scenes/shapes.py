@@ -255,15 +255,6 @@ def surface(function, columns, rows, wrap_u=False, wrap_v=False):
              np.stack([u, 1 - v], -1).reshape(-1, 2), grid_triangles(rows + 1, columns + 1)))
 
 
-def torus(major, minor, segments=48, sides=24):
-    """A closed ring about +y."""
-    def point(u, v):
-        a, b = 2 * math.pi * u, 2 * math.pi * v
-        ring = major + minor * np.cos(b)
-        return np.stack([ring * np.cos(a), minor * np.sin(b), -ring * np.sin(a)], -1)
-    return surface(point, segments, sides, wrap_u=True, wrap_v=True)
-
-
 def tube(path, radius, sides=16):
     """A closed tube along points (K, 3), its ends capped. `radius`: a number, or one a point."""
     path = np.asarray(path, float)
