@@ -6,6 +6,7 @@ equal_cost.py compares the methods there.
 
 import json
 import math
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -27,25 +28,10 @@ def search_call(cheaper, other, knob, start):
 
 
 def _plain(job):
-    return (
-        without_places(job.description),
-        job.size,
-        job.seed,
-        job.bounces,
-        job.knobs,
-        job.device,
-        job.backend,
-        job.energy_compensation,
-    )
-
-
-def _renderer(scene, description, size, seed, bounces, knobs, device, backend, energy_compensation):
-    renderer = restirpg.Renderer(
-        scene, json.loads(description), size=tuple(size), seed=seed, device=device, backend=backend,
-        energy_compensation=energy_compensation, bounces=bounces,
-    )  # fmt: skip
-    render.apply_knobs(renderer, knobs, "the graph")
-    return renderer
+    """Pairs of a job's fields that its renderer depends on."""
+    names = ("size", "seed", "bounces", "knobs", "output", "device", "backend", "energy_compensation")
+    fields = {name: getattr(job, name) for name in names}
+    return (("graph", "the graph"), ("description", without_places(job.description)), *fields.items())
 
 
 def _largest(description, path):
@@ -60,8 +46,9 @@ def search(scene, cheaper, other, knob, start):
     time of one of `other`, or else the largest of its range, in `meta`, and the `ratios` of their times at `high` - 1
     and there.
     """
-    largest = _largest(json.loads(cheaper[0]), knob)
-    other, own = _renderer(scene, *other), _renderer(scene, *cheaper)
+    cheaper, other = (SimpleNamespace(**dict(fields)) for fields in (cheaper, other))
+    largest = _largest(json.loads(cheaper.description), knob)
+    other, own = render.new_renderer(scene, other), render.new_renderer(scene, cheaper)
     measured = {}
 
     def ratio(value):

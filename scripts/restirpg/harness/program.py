@@ -12,7 +12,7 @@ from restirpg.harness import UserError, files
 from restirpg.harness.cache import Cache
 from restirpg.harness.display import Display
 from restirpg.harness.motion import TURN
-from restirpg.harness.workers import one_line, open_pool
+from restirpg.harness.workers import Pool, one_line
 
 LARGEST = 10**6  # of counts on a command line: plans are made of each frame and run
 ENDING = (signal.SIGINT, signal.SIGTERM)
@@ -118,6 +118,15 @@ def _interrupt(number, _):
     raise error
 
 
+def _pool(folder, count, scheduler):
+    """A Pool of `count` workers, or a Cluster at a Dask scheduler's address."""
+    if not scheduler:
+        return Pool(folder, count)
+    from restirpg.harness.cluster import Cluster  # which a run without a scheduler does not need
+
+    return Cluster(folder, scheduler)
+
+
 @contextlib.contextmanager
 def runner(options, display, count=None):
     """The cache and the pool that the command line asks for, `count` processes or those of --jobs."""
@@ -133,7 +142,7 @@ def runner(options, display, count=None):
             kept = "are not kept"
             display.message(f"{error}; going on without it: finished runs will not be kept")
         cache = Cache(folder, display.message)
-        pool = stack.enter_context(open_pool(cache.folder, count or options.jobs, options.scheduler))
+        pool = stack.enter_context(_pool(cache.folder, count or options.jobs, options.scheduler))
         try:
             yield cache, pool
         except Interrupted as error:

@@ -1,4 +1,4 @@
-"""The only module that touches the renderer, package `restirpg`: everything else sees arrays."""
+"""The renderer as the harness has it: what results depend on, scenes, and renderers that are kept from run to run."""
 
 import contextlib
 import functools
@@ -182,19 +182,25 @@ def _of_type(now, value):
 
 
 def make_renderer(job):
-    """The job's scene, graph and knobs as a restirpg.Renderer that has not rendered yet. It has the job's frame_port()
-    among its outputs."""
+    """new_renderer() of the job's scene, or of its window onto it."""
+    window = (*job.tiles[0], job.tile, job.tile) if job.windows else None
+    return new_renderer(load_scene(job)[1], job, window)
+
+
+def new_renderer(scene, job, window=None):
+    """A job's graph and knobs on a loaded scene as a restirpg.Renderer that has not rendered yet. It has the job's
+    frame_port() among its outputs. job: a Job, or what has those of its fields that are read here."""
     description = json.loads(job.description)
     alone = frame_port(description, job.output)
     renderer = restirpg.Renderer(
-        load_scene(job)[1],
+        scene,
         description,
         size=tuple(job.size),
         seed=job.seed,
         device=job.device,
         backend=job.backend,
         energy_compensation=job.energy_compensation,
-        window=(*job.tiles[0], job.tile, job.tile) if job.windows else None,
+        window=window,
         bounces=job.bounces,
         outputs=[] if alone == job.output else [alone],
     )

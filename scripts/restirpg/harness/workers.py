@@ -153,15 +153,6 @@ def _remove_logs(folder):
             log.unlink(missing_ok=True)
 
 
-def open_pool(folder, count, scheduler=None):
-    """A Pool of `count` workers, or a Cluster at a Dask scheduler's address; to be used in `with`."""
-    if scheduler:
-        from restirpg.harness.cluster import Cluster  # with Dask, which only it needs
-
-        return Cluster(folder, scheduler)
-    return Pool(folder, count)
-
-
 class Pool:
     """Up to `count` workers, started when first needed and kept between calls of `run`."""
 
