@@ -155,7 +155,7 @@ def test_work_that_was_not_foreseen_is_counted(monkeypatch):
 
 
 def test_equal_time_compares_at_the_time_of_the_fastest(finished):
-    # 2.25 ms a frame against 9 ms: half the noise at a quarter of the frames is the same error.
+    # 2.25 ms per frame against 9 ms: half the noise at a quarter of the frames is the same error.
     rows = summary(finished[0])
     assert float(rows["quiet"]["common_gpu_ms"]) == pytest.approx(16 * 2.25)
     ratio = float(rows["quiet"]["relmse_time"]) / float(rows["plain"]["relmse_time"])

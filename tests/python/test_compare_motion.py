@@ -12,7 +12,7 @@ from renderer_scenes import restirpg, write_flying_panel
 from restirpg.harness import scenes
 from restirpg.harness.motion import Motion
 
-# The fake renderer's light grows by 1 a second: at 4 frames a second neighbours differ by 13% or more.
+# The fake renderer's light grows by 1 a second: at 4 frames per second neighbours differ by 13% or more.
 METHODS = ["plain.json@noise=0,label=quiet", "plain.json@label=noisy"]
 
 

@@ -55,7 +55,7 @@ def guided_means(scene, graph, first_seed, runs=RUNS):
     header = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, oracle.MEMORY)[0]
     print(
         f"{header['cells']} cells, {header['guiding']} guide, "
-        f"{header['samples'] / header['cells']:.1f} samples a cell and frame; "
+        f"{header['samples'] / header['cells']:.1f} samples per cell and frame; "
         f"deviation of a run {means.std(ddof=1) / means.mean():.4f}"
     )
     assert header["guiding"] > 0.5 * header["cells"]

@@ -1,7 +1,7 @@
 """GuidingSplat and GuidingFit on vertices of a known distribution (tests/guide/KnownVertices): what they
 find, and how cells behave that are starved, crowded, or hold samples that are all alike.
 
-Statistical: recovery alone, from 16,384 samples a frame. Its bounds are four standard errors or more: a lobe
+Statistical: recovery alone, from 16,384 samples per frame. Its bounds are four standard errors or more: a lobe
 of n samples has kappa to 1 / sqrt(n) (2.5% for the least of them), to which Banerjee's formula adds up to 5%,
 weights to 0.4%, directions to 0.4 degrees.
 """

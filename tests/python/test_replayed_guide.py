@@ -85,7 +85,7 @@ def guided(scene, reference, runs=RUNS, **how):
     means, renderer = run_means(scene, one_bounce(**how), FRAMES, 9000, runs, SIZE)
     header = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, oracle.MEMORY)[0]
     samples = header["samples"] / header["cells"]
-    print(f"{how}: {header['cells']} cells, {header['guiding']} guide, {samples:.1f} samples a cell and frame")
+    print(f"{how}: {header['cells']} cells, {header['guiding']} guide, {samples:.1f} samples per cell and frame")
     assert header["guiding"] > 0.5 * header["cells"]
     assert samples < 32
     return compared(means, reference)

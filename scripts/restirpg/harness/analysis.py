@@ -38,7 +38,7 @@ class MethodFindings:
     spatial_image: tuple  # block correlation of the final picture: ratio, standard error
     spatial_frame: tuple  # of single frames
     temporal: tuple  # autocorrelation at lag 1: mean, standard error
-    passes: dict  # pass -> ms a frame, mean over seeds
+    passes: dict  # pass -> ms per frame, mean over seeds
     memory: dict  # resource -> bytes
     against: (
         dict  # (metric, "frame", "time", "single" or a frame of `at`), ("denoised", "frame" or "image") -> paired

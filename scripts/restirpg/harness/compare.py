@@ -100,9 +100,9 @@ def _add_measured(parser, told, frames):
     add(
         "--equal-frame-time",
         metavar="PASS.KNOB",
-        help="raise this whole number of each faster method, as reuse.neighbours, until its frame costs what the slowest "
-        "method's does, and compare single frames there; what is found is kept as runs are: with another --cache times are "
-        "measured again",
+        help="for each faster method, raise this knob (a whole number, such as reuse.neighbours) until a frame takes as long "
+        "as the slowest method's, and compare single frames there. The value found is kept like a run; another --cache "
+        "measures times again",
     )
     add(
         "--denoise",

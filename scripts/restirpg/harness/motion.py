@@ -12,8 +12,8 @@ class Motion:
     """What moves from frame to frame.
 
     circle: radius, m, of the circle that the camera goes round in its own plane without turning, one step a
-    frame, as long as the radius, TURN steps a turn: frames 2, 8, 14, 20, 26, 32 all stand where the scene's
-    camera does. fps: frames a second of the scene's animation; 0: it stands.
+    frame, as long as the radius, TURN steps per turn: frames 2, 8, 14, 20, 26, 32 all stand where the scene's
+    camera does. fps: frames per second of the scene's animation; 0: it stands.
     """
 
     circle: float = 0.0

@@ -159,8 +159,8 @@ def _stacked_bars(rows, unit, most=10):
 
 
 def pass_costs(scene):
-    """GPU milliseconds a frame of each pass, stacked."""
-    return _stacked_bars({method.label: method.passes for method in scene.methods}, "GPU ms per frame")
+    """GPU milliseconds per frame of each pass, stacked."""
+    return _stacked_bars({method.label: method.passes for method in scene.methods}, "GPU ms/frame")
 
 
 def memory(scene):

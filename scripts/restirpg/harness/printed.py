@@ -34,11 +34,10 @@ def as_text(findings, width=None):
             for row in rows:
                 table.add_row(*row)
             console.print(table)
-    level = f"{100 * st.LEVEL:.0f}%"
     unit = findings[0].unit if findings else "seed"
     console.print(
-        f"Errors are ± one standard error over {unit}s. Tests are paired by {unit}; "
-        f"words are at {level} over all methods and scenes (Holm)."
+        f"± is one standard error over {unit}s. Tests are paired by {unit}. "
+        f'"lower", "higher" and "biased" mean p < {100 * st.LEVEL:.0f}%, corrected (Holm) over all methods and scenes.'
     )
     return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
 
@@ -53,7 +52,7 @@ def in_brief(findings):
             console.print(sentence)
         for warning in scene.warnings:
             console.print(f"warning: {warning}")
-        title, mode = "one frame", "single"
+        title, mode = "single frames", "single"
         if scene.at and scene.unit == "seed":
             title, mode = f"frame {scene.at[-1]}", test_of(scene, scene.at[-1])
         columns = [(title, "mape", mode)]
@@ -70,7 +69,8 @@ def in_brief(findings):
         console.print(table)
     unit = findings[0].unit if findings else "seed"
     console.print(
-        f"Errors (MAPE) ± one standard error over {unit}s; * differs from the first method ({100 * st.LEVEL:.0f}% over all tests)."
+        f"Errors: MAPE ± one standard error over {unit}s. *: significantly different from the first method "
+        f"(p < {100 * st.LEVEL:.0f}%, corrected for all tests)."
     )
     return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
 

@@ -97,7 +97,7 @@ def add_runner(parser, out):
     parser.add_argument(
         "--scheduler",
         metavar="ADDRESS",
-        help="run on the workers of this Dask scheduler, as tcp://head:8786, in place of --jobs; they must see "
+        help="run on the workers of this Dask scheduler, such as tcp://head:8786, in place of --jobs; they must see "
         "the repository, its build, scenes, graphs and the cache under the same paths",
     )
     parser.add_argument("--out", default=out, help="folder of the report, CSV and EXR files (%(default)s)")

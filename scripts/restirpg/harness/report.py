@@ -177,7 +177,7 @@ def _motion(settings):
         rows.append(("single frames measured", ", ".join(map(str, settings.at))))
     if motion:
         rows.append(
-            ("motion", f"animation at {motion.fps:g} frames a second, camera on a circle of {motion.circle:g} m")
+            ("motion", f"animation at {motion.fps:g} frames per second, camera on a circle of {motion.circle:g} m")
         )
     return rows
 

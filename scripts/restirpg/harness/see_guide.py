@@ -5,7 +5,7 @@ product rho L_i cos.
         [--graph graphs/restir_pg.py]
         [--frames 64] [--size 160x90] [--cell-size SHARE] [--raw] [--allow-outside] [-o out/guide.png] [--markdown FILE]
 
-One row of maps a pixel, each the hemisphere about the surface's normal: azimuth to the right, cosine
+One row of maps per pixel, each the hemisphere about the surface's normal: azimuth to the right, cosine
 downwards from 1 to 0, so that equal areas are equal solid angles. The product is a render of what the point
 sees (five faces of a cube, path traced with one bounce less, without what is emitted towards the point
 itself: direct light is not ReSTIR PT's); it stands for the product on diffuse surfaces alone. Printed are the

@@ -18,7 +18,7 @@ FAMILIES = {
         "0.5",
         [(f"{alpha:g}", "", {"paths__alpha": alpha}) for alpha in (0.2, 0.35, 0.75)],
     ),
-    "lobes a cell": ("4", [(f"{lobes}", "", {"fit__lobes": lobes}) for lobes in (1, 2, 3)]),
+    "lobes per cell": ("4", [(f"{lobes}", "", {"fit__lobes": lobes}) for lobes in (1, 2, 3)]),
     "cell size, of the image's height": (
         "0.12",
         [(f"{size:g}", "", {"splat__cell_size": size}) for size in (0.03, 0.06, 0.24)],

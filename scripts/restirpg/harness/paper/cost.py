@@ -16,7 +16,7 @@ PAPER_SHARES = {"collect and splat": "25%", "fit": "25%", "guided sampling": "50
 
 
 def pass_times(runs):
-    """{label: {pass: (seeds,) ms a frame}}."""
+    """{label: {pass: (seeds,) ms per frame}}."""
     return {
         label: {name: np.array([run["meta"]["passes"].get(name, 0.0) for run in seeds]) for name in PASSES}
         for label, seeds in runs.runs.items()
@@ -34,7 +34,7 @@ def overhead(times):
 
 
 def times_table(results):
-    """Milliseconds a frame of each pass."""
+    """Milliseconds per frame of each pass."""
     rows = []
     for runs in results.runs:
         times = pass_times(runs)
@@ -43,7 +43,7 @@ def times_table(results):
             parts = [estimate(times[label][name]) for name in PASSES]
             rows.append([name_of(runs.scene), label, estimate(total), *parts])
     header = ("scene", "method", "all passes", *PASSES)
-    return Table("cost_passes", "GPU milliseconds a frame, by the device's timestamps", header, rows)
+    return Table("cost_passes", "GPU milliseconds per frame, by the device's timestamps", header, rows)
 
 
 def shares_table(results):
@@ -75,12 +75,12 @@ def shares_table(results):
                 "",
             ]
         )
-    header = ("scene", "part of the overhead", "ms a frame", "share", "paper, about")
+    header = ("scene", "part of the overhead", "ms/frame", "share", "paper, about")
     return Table("cost_shares", "What ReSTIR PG adds to ReSTIR PT", header, rows)
 
 
 def memory_table(results):
-    """Bytes a pixel of each method's resources, without the scene's."""
+    """Bytes per pixel of each method's resources, without the scene's."""
     rows = []
     for runs in results.runs[:1]:
         height, width = runs.reference["mean"].shape[:2]
@@ -100,7 +100,7 @@ def memory_table(results):
                     f"{sum(fixed.values()) / 2**20:.2f}",
                 ]
             )
-    header = ["method", "bytes a pixel", *(name for name in PASSES if name not in ("splat", "fit"))]
+    header = ["method", "bytes per pixel", *(name for name in PASSES if name not in ("splat", "fit"))]
     header.append("tables of cells, MiB, whatever the size")
     return Table("cost_memory", "Memory of ports: what a later frame reads is there twice", tuple(header), rows)
 
@@ -127,8 +127,8 @@ def guide_table(paper, results):
         )
     rows.append(["paper, Veach Ajar at 1920x1080", "52", "102.8", "34,000", "152", "5"])
     header = (
-        "scene", "bytes a vertex", "MiB a bounce at 1920x1080", "cells that guide",
-        "bytes a cell: guide + a frame's statistics", "MiB of these cells",
+        "scene", "bytes per vertex", "MiB per bounce at 1920x1080", "cells that guide",
+        "bytes per cell: guide + a frame's statistics", "MiB of these cells",
     )  # fmt: skip
     return Table("cost_guide", "Memory of the guide", header, rows)
 
@@ -158,7 +158,7 @@ def drawing(results):
     axes.set_yticks(ticks, labels)
     axes.invert_yaxis()
     axes.grid(axis="y", visible=False)
-    axes.set_xlabel("GPU ms a frame")
+    axes.set_xlabel("GPU ms/frame")
     axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
     return figure
 

@@ -58,7 +58,7 @@ def compared(values, first, last):
     return cells, groups
 
 
-def heads(last, what="one frame"):
+def heads(last, what="single frames"):
     """The heads over what compared() gives; `what`: of which pictures the errors are."""
     return (
         f"MAPE, {what}", f"change, {what}", f"tested, {what}", f"change from it to {last}",

@@ -16,7 +16,7 @@ from restirpg.harness.paper import (
     table_1,
 )
 
-#: Microseconds a pixel and frame on two cores (lavapipe, benchmarks/results/restir_pt_cost), for --list
+#: Microseconds per pixel and frame on two cores (lavapipe, benchmarks/results/restir_pt_cost), for --list
 #: alone.
 REUSE_COST, PATH_COST = 18.0, 4.5
 #: Seconds to make a renderer, kernels included.
@@ -83,7 +83,7 @@ EXPERIMENTS = (
         "figure 8", "the four methods on glossy surfaces",
         comparisons.figure_8, lambda paper: (comparisons.study_8(paper),),
     ),
-    Experiment("table 1", "samples a cell and frame, ReSTIR against raw", table_1.run, calls=_cells_of_all),
+    Experiment("table 1", "samples per cell and frame, ReSTIR against raw", table_1.run, calls=_cells_of_all),
     Experiment(
         "cost", "time of passes, the guide's overhead, memory (figure 5's runs)",
         cost.run, lambda paper: (comparisons.study_5(paper),), _cells_of_all,
@@ -97,7 +97,7 @@ EXPERIMENTS = (
         ablation.run, lambda paper: tuple(ablation.study(paper, shown) for shown in ablation.SHOWN),
     ),
     Experiment(
-        "resolution", "error and samples a cell from small pictures to large ones",
+        "resolution", "error and samples per cell from small pictures to large ones",
         resolution.run, lambda paper: tuple(resolution.studies(paper).values()), _cells_by_size,
     ),
 )  # fmt: skip

@@ -130,7 +130,7 @@ def run(paper):
     )  # fmt: skip
     text = (
         "A world of two dimensions, of our own design: pixels on a floor, bright patches on the other "
-        f"walls, an opaque screen. One path a pixel; resampled by {ROUNDS} rounds of spatial reuse with the "
+        f"walls, an opaque screen. One path per pixel; resampled by {ROUNDS} rounds of spatial reuse with the "
         "balance heuristic. Orange: paths that end on a patch. Per cell four von Mises lobes are fitted by "
         "EM, to path-traced samples weighted by their light, to resampled ones each alike."
     )

@@ -76,14 +76,14 @@ def truth(x, steps=6000):
 
 @dataclass(frozen=True)
 class Reservoirs:
-    """A path a pixel: its place on the walls, and its unbiased contribution weight."""
+    """A path per pixel: its place on the walls, and its unbiased contribution weight."""
 
     s: np.ndarray
     ucw: np.ndarray
 
 
 def candidates(x, random):
-    """One path-traced sample a pixel."""
+    """One path-traced sample per pixel."""
     cosine = 2 * random.random(len(x)) - 1  # of a direction by the cosine about the normal
     sine = np.sqrt(1 - cosine**2)
     with np.errstate(divide="ignore"):

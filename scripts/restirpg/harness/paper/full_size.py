@@ -165,7 +165,7 @@ def sentence(scene, methods):
 def as_markdown(scenes):
     """The table of all scenes, and a sentence each."""
     lines = [
-        "| scene | method | MAPE ± by tiles ± by the reference | change from restir_pt ± by tiles ± by the reference | p | GPU s a frame |",
+        "| scene | method | MAPE ± by tiles ± by the reference | change from restir_pt ± by tiles ± by the reference | p | GPU s/frame |",
         "| --- | --- | --- | --- | --- | --- |",
     ]
     for scene, methods in scenes.items():

@@ -186,7 +186,7 @@ def last_frame(runs):
 def figure_7(paper):
     """The moving light."""
     text = (
-        f"A glowing box wanders about the back room, played at {FPS:g} frames a second; each measured frame is "
+        f"A glowing box wanders about the back room, played at {FPS:g} frames per second; each measured frame is "
         "compared with a reference of its own time. In door_ajar_light_cut the box jumps in the middle of the run. ± one "
         "standard error over seeds, ReSTIR PT is biased while things move "
         "(benchmarks/results/restir_pt)."
@@ -197,7 +197,7 @@ def figure_7(paper):
 def run(paper):
     """The other sequences."""
     text = (
-        f"A door that swings, played at {FPS:g} frames a second, and a camera that goes round a circle of "
-        f"{100 * CIRCLE:g} cm in its own plane, {TURN} frames a turn."
+        f"A door that swings, played at {FPS:g} frames per second, and a camera that goes round a circle of "
+        f"{100 * CIRCLE:g} cm in its own plane, {TURN} frames per turn."
     )
     return section(paper, "motion", "Motion", text, studies_motion(paper))

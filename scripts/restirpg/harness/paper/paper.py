@@ -63,7 +63,7 @@ class Study:
     methods: tuple
     scenes: tuple  # names or files
     changes: tuple = ()  # ((field of Settings, value), ...): what differs from the evaluation's settings
-    views: int = 1  # references a scene: measured frames that show different things
+    views: int = 1  # references per scene: measured frames that show different things
 
 
 @dataclass(frozen=True)

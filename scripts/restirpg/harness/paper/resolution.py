@@ -1,7 +1,7 @@
-"""Error and samples a cell against resolution. Not in the paper, whose pictures are all 1920x1080.
+"""Error and samples per cell against resolution. Not in the paper, whose pictures are all 1920x1080.
 
 Cells of the guiding grid span a part of the picture's height: with twice the height a cell
-gets four times as many samples a frame.
+gets four times as many samples per frame.
 """
 
 import numpy as np
@@ -38,7 +38,7 @@ def studies(paper):
 
 
 def counts_of(paper):
-    """{(scene, size): [Estimate, Estimate]}: samples a cell of what ReSTIR selects, and of raw candidates.
+    """{(scene, size): [Estimate, Estimate]}: samples per cell of what ReSTIR selects, and of raw candidates.
 
     Each is the mean over the cells that it touches.
     """
@@ -53,7 +53,7 @@ def counts_of(paper):
 
 
 def drawing(changes, counts):
-    """Left the change of MAPE against no guiding, right the samples a cell, against the picture's height.
+    """Left the change of MAPE against no guiding, right the samples per cell, against the picture's height.
 
     Both are {(scene, label): {height: Estimate}}.
     """
@@ -75,7 +75,7 @@ def drawing(changes, counts):
     figure.axes[0].set_ylabel("change of MAPE, %")
     figure.axes[1].set_yscale("log")
     plots.log_axis(figure.axes[1].yaxis)
-    figure.axes[1].set_ylabel("samples a cell and frame")
+    figure.axes[1].set_ylabel("samples per cell and frame")
     return figure
 
 
@@ -89,7 +89,7 @@ def table_of(found, counts):
     return Table(
         "resolution",
         "Single frames by resolution, changes paired by seed",
-        ("scene", "size", "method", *errors.heads(OURS.label), *(f"{kind}, samples a cell" for kind in COUNTS)),
+        ("scene", "size", "method", *errors.heads(OURS.label), *(f"{kind}, samples per cell" for kind in COUNTS)),
         errors.filled(rows, groups),
     )
 
@@ -126,7 +126,7 @@ def run(paper):
     )
     picture = Picture(
         "resolution",
-        "Change of MAPE against no guiding, and samples a cell and frame.",
+        "Change of MAPE against no guiding, and samples per cell and frame.",
         drawing(by_height(changes), by_height(samples)),
     )
     return Section("Resolution", text, [picture] if changes else [], [table_of(found, counts)])

@@ -52,5 +52,5 @@ def run(paper):
         "that a method touched, over those that either did, and weighted by the samples (what a sample "
         f"sees). {PAPER}"
     )
-    table = Table("table_1", "Table 1: samples a cell and frame", tuple(header), rows)
-    return Section("Table 1: samples a cell", text, tables=[table])
+    table = Table("table_1", "Table 1: samples per cell and frame", tuple(header), rows)
+    return Section("Table 1: samples per cell", text, tables=[table])

@@ -267,7 +267,7 @@ class Page {
         this.latency = middle;
         this.rate = rate;
         $("status").textContent = `${rate.toFixed(1)} frames/s` + (middle ? `, input to picture ${middle.toFixed(0)} ms` : "") +
-            `, viewer ${header.view_milliseconds.toFixed(1)} ms a frame` +
+            `, viewer ${header.view_milliseconds.toFixed(1)} ms per frame` +
             (header.reference_frames ? `, reference of ${header.reference_frames} frames` : "");
     }
 
