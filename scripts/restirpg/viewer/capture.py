@@ -42,7 +42,10 @@ def save(session, pane, file):
     if session.keep:
         attributes |= {f"restirpg.{name}": text for name, text in {"frames": str(pane.frames), **_KEPT}.items()}
         restirpg.write_exr(file, {"": pane.picture()}, attributes=attributes)
-    elif session.follows and attributes.pop(_POSE, None):  # a renderer that was placed once has a pose for ever
+    elif session.follows and attributes.pop(_POSE, None):
+        # A renderer cannot go back to the scene's own camera: once it was moved, it is always given a pose, and its files
+        # say so. Here that pose is the scene's own, which a header leaves out: with a pose, compare.py and
+        # `restirpg view` would take the file for one whose camera was moved.
         restirpg.write_exr(file, _layers(pane.renderer), attributes=attributes)
 
 
