@@ -69,7 +69,7 @@ def told(label, rounds, baseline):
 
 def measure(options):
     """Measure and print. Returns the exit code."""
-    methods = [jobs.parse_method(text, useless=("output",)) for text in options.graphs]
+    methods = jobs.parse_methods(options.graphs, useless=("output",))
     if options.csv:
         files.prepare(options.csv, [options.scene, *(method.graph for method in methods)], "--csv")
     scene = restirpg.load_scene(options.scene)
@@ -89,7 +89,7 @@ def measure(options):
             for name, value in passes.items()
         ]
         stream = io.StringIO(newline="")
-        csv.writer(stream).writerows([("method", "round", "pass", "gpu_ms"), *rows])
+        csv.writer(stream, lineterminator="\n").writerows([("method", "round", "pass", "gpu_ms"), *rows])
         files.write(options.csv, stream.getvalue())
     return 0
 

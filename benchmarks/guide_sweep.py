@@ -21,13 +21,14 @@ from clone import ROOT
 from restirpg.harness import UserError, program, render
 from restirpg.harness.comparison import largest_knob
 from restirpg.harness.guiding import passes_of
-from restirpg.harness.jobs import parse_method
+from restirpg.harness.jobs import parse_methods
 from restirpg.harness.statistics import luminance, mape_scale, ratio
 
 GRAPHS = ROOT / "graphs"
 
 COLUMNS = ("frame", "mean", "candidates")
 ALONE = "candidates_without_reuse"  # a pass
+NO_REUSE = {"temporal": False, "rounds": 0}  # its knobs
 
 
 def parse():
@@ -75,9 +76,7 @@ def make_graph(file):
     gbuffer, direct, paths, accumulate = passes_of(graph, *types)
     [indirect] = [own["inputs"]["indirect"] for own in graph["passes"] if own["name"] == accumulate]
     inputs = {"surface": {"pass": gbuffer, "output": "surface"}, "candidates": {"pass": paths, "output": "candidates"}}
-    graph["passes"].append(
-        {"name": ALONE, "type": "ReSTIRReuse", "inputs": inputs, "knobs": {"temporal": False, "rounds": 0}}
-    )
+    graph["passes"].append({"name": ALONE, "type": "ReSTIRReuse", "inputs": inputs, "knobs": dict(NO_REUSE)})
     shown = {
         "direct": (direct, "radiance"),
         "emission": (gbuffer, "emission"),
@@ -93,6 +92,8 @@ def make_method(arguments, scene, method):
     graph = make_graph(method.graph)
     renderer = make_renderer(arguments, scene, graph, device=method.device, backend=method.backend)
     render.apply_knobs(renderer, method.knobs, method.graph)
+    for knob, value in NO_REUSE.items():  # `rounds=2` sets that of every pass
+        renderer.set(f"{ALONE}.{knob}", value)
     return renderer
 
 
@@ -151,7 +152,7 @@ def sweep(arguments):
     """Print one line a graph."""
     import restirpg
 
-    methods = [parse_method(text, useless=("output",)) for text in arguments.graphs]
+    methods = parse_methods(arguments.graphs, useless=("output",))
     scene = restirpg.load_scene(arguments.scene)
     reference = make_reference(arguments, scene, bounce_cap(arguments, scene, methods))
     first = None

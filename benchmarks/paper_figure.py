@@ -90,7 +90,12 @@ def read_errors(file):
         raise UserError(f"{file}: cannot be read: {error.strerror}; {mend}") from None
     if SHOWN not in rows:
         raise UserError(f"{file}: no row is of {SHOWN}, whose picture is shown; {mend}")
-    return {name: f"{100 * float(row['mape']):.1f} ± {100 * float(row['mape_se']):.1f}%" for name, row in rows.items()}
+    try:
+        return {
+            name: f"{100 * float(row['mape']):.1f} ± {100 * float(row['mape_se']):.1f}%" for name, row in rows.items()
+        }
+    except (KeyError, TypeError, ValueError):  # no such column, a row that is too short, no number
+        raise UserError(f"{file}: it lacks numbers in a column mape or mape_se; {mend}") from None
 
 
 def check_crops(corners, side, size):

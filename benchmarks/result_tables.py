@@ -10,7 +10,7 @@ A page marks a table by a comment, and this program writes the table below it:
 The file is the runs.csv of scripts/compare.py, or has its columns scene, method, seed or tile, and values, without
 frames. Columns are its scenes, rows its methods: the mean over seeds of the value at that frame, ± one standard error,
 and the change against a method, paired by seed or tile. `value` is a column of the file (mape, relmse; gpu_ms_total, in
-older files gpu_ms: per frame), `methods=a,b` and `scenes=a,b` choose and order, and a method's name as an option gives
+older files gpu_ms: per frame where the file has frames), `methods=a,b` and `scenes=a,b` choose and order, and a method's name as an option gives
 its row a title: restir_pt="no guiding". --check changes nothing and says which tables are not what their file says.
 """
 
@@ -27,7 +27,8 @@ from clone import ROOT
 from restirpg.harness import UserError, files, program, statistics
 from restirpg.nearest import did_you_mean
 
-MARKED = re.compile(r"(<!-- table: (?P<file>\S+) (?P<options>.*?) -->\n)\n?(?:\|.*\n)*\n*")
+MARKER = re.compile(r"<!--\s*table\b.*")  # also one that cannot be followed
+MARKED = re.compile(r"(<!-- table: (?P<file>\S+)(?P<options>(?: .*?)?) -->\n)\n?(?:\|.*\n)*\n*")
 OPTIONS = {"frame", "value", "against", "methods", "scenes"}
 
 
@@ -38,6 +39,14 @@ def check_name(page, option, name, names):
     """Raise UserError where a marker of the page names what its file does not have."""
     if name not in names:
         raise UserError(f"{page}: {option}={name}: there are: {', '.join(names)}{did_you_mean(name, names)}")
+
+
+def number_in(page, file, row, column):
+    """A column of a row as a number. Raises UserError."""
+    try:
+        return float(row[column])
+    except (TypeError, ValueError):
+        raise UserError(f"{page}: {file}: '{row[column]}' in the column {column} is no number") from None
 
 
 def read_runs(page, file, frame, value):
@@ -59,17 +68,16 @@ def read_runs(page, file, frame, value):
     elif not (frame.isascii() and frame.isdigit()):
         raise UserError(f"{page}: frame={frame}: it is a whole number, as in frame=12")
     check_name(page, "value", value, [name for name in columns if name not in NAMES])
-    runs = {}
+    runs, divisor = {}, int(frame) if frame is not None and value.endswith(("_ms", "_ms_total")) else 1
+    name = "tile" if "tile" in columns else "seed"
     for row in rows:
         if row.get("frame") != frame:
             continue
-        try:
-            number = float(row[value]) / (int(frame) if value.endswith(("_ms", "_ms_total")) else 1)
-        except ValueError:
-            raise UserError(f"{page}: value={value}: '{row[value]}' in {file} is no number") from None
-        runs.setdefault((Path(row["scene"]).stem, row["method"]), {})[
-            int(row["tile"] if "tile" in row else row["seed"])
-        ] = number
+        scene, method = Path(row["scene"]).stem, row["method"]
+        which, own = number_in(page, file, row, name), runs.setdefault((scene, method), {})
+        if which in own:
+            raise UserError(f"{page}: {file} has two rows of {scene}, {method}, {name} {which:g}; leave one of them")
+        own[which] = number_in(page, file, row, value) / divisor
     if not runs:
         raise UserError(f"{page}: frame={frame}: no run of {file} has it")
     return runs
@@ -127,7 +135,13 @@ def rewritten(page):
         options = dict(option.partition("=")[::2] for option in shlex.split(match["options"]))
         return f"{match[1]}\n{table(page, match['file'], options)}\n"
 
-    return MARKED.sub(write, page.read_text())
+    text = page.read_text()
+    unfollowed = MARKER.search(MARKED.sub("", text))
+    if unfollowed:
+        raise UserError(
+            f"{page}: '{unfollowed[0]}' is no marker, as <!-- table: FILE.csv value=NAME --> alone on its line is"
+        )
+    return MARKED.sub(write, text)
 
 
 def main(arguments):

@@ -2,6 +2,7 @@
 
 import csv
 import re
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +36,12 @@ def finished(request, tmp_path_factory):
         run = compare(folder, *METHODS, **OPTIONS, **denoise, **request.param)
     assert run.returncode == 0, run.stderr
     return folder, request.param
+
+
+def test_lines_end_as_in_every_other_file(finished):
+    written = [file for file in (finished[0] / "out").glob("*.csv") if b"\r" in file.read_bytes()]
+    tracked = subprocess.run(["git", "-C", ROOT, "ls-files", "*.csv"], capture_output=True, text=True).stdout.split()
+    assert not written and not [name for name in tracked if b"\r" in (ROOT / name).read_bytes()]
 
 
 def test_the_runs_give_the_summary_again(finished):

@@ -31,6 +31,7 @@ def test_methods_render_in_turn_and_every_pass_is_written(scene_file, tmp_path):
         (method, number, name) for method in ("path_tracer", "short") for number in "01" for name in passes
     }
     assert all(float(row["gpu_ms"]) > 0 for row in rows)
+    assert b"\r" not in file.read_bytes()
 
 
 def test_a_bounce_cap_of_none_is_a_cap():
@@ -50,6 +51,12 @@ def test_a_bounce_cap_of_none_is_a_cap():
 def test_a_wrong_setting_is_one_line(scene_file, setting, words):
     done = run(f"{TRACER}@{setting}", "--scene", scene_file)
     assert done.returncode == 2 and words in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_two_methods_of_one_label_are_refused(scene_file):
+    done = run(TRACER, f"{TRACER}@bounces=2,label=path_tracer", "--scene", scene_file)
+    assert done.returncode == 2 and "two methods are called 'path_tracer'" in done.stderr
+    assert done.stderr.count("\n") == 1
 
 
 def test_one_round_has_no_standard_error_and_is_refused(scene_file):

@@ -50,6 +50,22 @@ def test_a_wrong_setting_of_the_last_graph_is_told_before_the_reference_is_rende
     assert (done.returncode, done.stdout) == (2, "") and words in done.stderr and done.stderr.count("\n") == 1
 
 
+def test_two_graphs_of_one_label_are_refused(scene_file):
+    graph = ROOT / "graphs/restir_pt.py"
+    done = sweep(scene_file, graph, f"{graph}@bounces=2,label=restir_pt")
+    assert done.returncode == 2 and "two methods are called 'restir_pt'" in done.stderr
+
+
+def test_candidates_have_no_reuse_whatever_is_set_on_every_pass(scene_file):
+    method = parse_method(f"{ROOT}/graphs/restir_pt.py@rounds=2,temporal=true,bounces=2")
+    arguments = SimpleNamespace(size=(16, 9), bounces=None)
+    with guide_sweep.make_method(arguments, restirpg.load_scene(scene_file), method) as renderer:
+        knobs = renderer.knobs()
+    assert (knobs["reuse"]["rounds"], knobs["reuse"]["temporal"]) == (2, True)
+    alone = knobs[guide_sweep.ALONE]
+    assert (alone["rounds"], alone["temporal"]) == (0, False)
+
+
 def test_one_seed_has_no_spread(scene_file):
     done = sweep(scene_file, ROOT / "graphs/restir_pt.py", "--seeds", 1)
     assert done.returncode == 2 and "'1' is not a whole number of at least 2" in done.stderr

@@ -217,11 +217,15 @@ def test_a_figure_that_cannot_be_drawn_is_one_line(recorded):
     scene = figure(recorded)
     assert "room.glb" in scene.stderr
     table = recorded / "room/tiles.csv"
-    table.write_text(table.read_text().replace("restir_pg,", "other,"))
+    whole = table.read_text()
+    table.write_text(whole.replace(",mape_se,", ",spread,"))
+    column = figure(recorded)
+    assert "tiles.csv: it lacks numbers in a column mape or mape_se" in column.stderr
+    table.write_text(whole.replace("restir_pg,", "other,"))
     other = figure(recorded)
     assert "tiles.csv: no row is of restir_pg" in other.stderr
     table.unlink()
     absent = figure(recorded)
     assert "tiles.csv: cannot be read: No such file or directory; name the folder of a scene" in absent.stderr
-    for done in (beyond, third, scene, other, absent):
+    for done in (beyond, third, scene, column, other, absent):
         assert done.returncode == 2 and done.stderr.count("\n") == 1, done.stderr

@@ -108,6 +108,39 @@ def test_a_marker_that_cannot_be_followed_is_one_line(page, options, words):
     assert done.stderr.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    "marker",
+    ["<!-- table: runs.csv -->", "<!--table: runs.csv value=mape -->", "<!-- table: runs.csv value=mape --> |"],
+)
+def test_a_marker_that_is_written_otherwise_is_not_passed_over(page, marker):
+    page.write_text(f"{marker}\n")
+    done = run(page)
+    assert done.returncode == 2 and done.stderr.count("\n") == 1 and str(page) in done.stderr
+
+
+def test_times_of_a_file_without_frames_are_as_they_are(tmp_path):
+    lines = ["scene,method,seed,gpu_ms", "room.glb,first,0,40", "room.glb,first,1,80"]
+    (tmp_path / "runs.csv").write_text("\n".join(lines) + "\n")
+    page = tmp_path / "page.md"
+    page.write_text("<!-- table: runs.csv value=gpu_ms -->\n")
+    done = run(page)
+    assert done.returncode == 0 and "| first | 60.0 ± 20.0 |" in page.read_text(), done.stderr
+
+
+def test_two_rows_of_one_run_are_refused(page):
+    (page.parent / "runs.csv").write_text(RUNS + "b/room.glb,first,1,4,0.90,80\n")
+    done = run(page)
+    assert done.returncode == 2 and "runs.csv has two rows of room, first, seed 1" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("row", ["a/room.glb,first,2,4", "a/room.glb,first,x,4,0.1,5"])
+def test_a_row_that_is_no_run_is_one_line(page, row):
+    (page.parent / "runs.csv").write_text(RUNS + row + "\n")
+    done = run(page)
+    assert done.returncode == 2 and "is no number" in done.stderr and done.stderr.count("\n") == 1
+
+
 def test_recorded_pages_say_what_their_files_say():
     done = run("--check")
     assert done.returncode == 0, done.stdout + done.stderr

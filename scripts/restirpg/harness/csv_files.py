@@ -216,7 +216,7 @@ def _write_frames(findings, file):
 
 def _write(path, header, rows):
     stream = io.StringIO(newline="")
-    writer = csv.writer(stream)
+    writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(header)
     writer.writerows(rows)
     files.write(path, stream.getvalue())

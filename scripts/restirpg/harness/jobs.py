@@ -69,6 +69,16 @@ def parse_method(text, useless=()):
     return method
 
 
+def parse_methods(texts, useless=()):
+    """The Methods of several texts; raises UserError where two have one label, by which rows are told apart."""
+    methods = [parse_method(text, useless) for text in texts]
+    labels = [method.label for method in methods]
+    for label in labels:
+        if labels.count(label) > 1:
+            raise UserError(f"two methods are called '{label}'; tell them apart with @label=NAME")
+    return methods
+
+
 def file_name(label):
     """A label as part of a file's name."""
     return "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in label)

@@ -197,7 +197,7 @@ def collect(folder, results):
     results = Path(results)
     files.make_folder(results, "--results")
     stream = io.StringIO(newline="")
-    writer = csv.DictWriter(stream, list(rows[0]))
+    writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
     files.write(results / "summary.csv", stream.getvalue())
