@@ -98,10 +98,17 @@ def parse():
     parser.add_argument("--scene", required=True)
     parser.add_argument("--graph", action="append")
     parser.add_argument("--size", type=program.size, action="append")
-    parser.add_argument("--seconds", type=program.positive, default=20)
+    parser.add_argument("--seconds", type=program.positive, help="of a row of the table (20)")
     parser.add_argument("--monkey", type=program.positive, metavar="SECONDS")
-    parser.add_argument("--seed", type=int, default=1)
-    return parser.parse_args()
+    parser.add_argument("--seed", type=program.whole(0), help="of the monkey (1)")
+    options = parser.parse_args()
+    if options.monkey and options.seconds:
+        parser.error("--seconds changes nothing with --monkey, which has seconds of its own; leave it out")
+    if options.monkey and len(options.size or ()) > 1:
+        parser.error("--monkey looks at one size; give --size once")
+    if options.seed is not None and not options.monkey:
+        parser.error("--seed is that of --monkey, and changes nothing without it; leave it out")
+    return options
 
 
 def look(arguments):
@@ -109,14 +116,20 @@ def look(arguments):
     scene = restirpg.load_scene(arguments.scene)
     graphs = arguments.graph or [str(ROOT / "graphs" / "path_tracer.py"), str(ROOT / "graphs" / "restir_pg.py")]
     if arguments.monkey:
-        return play(graphs, (arguments.size or [(64, 36)])[0], scene, arguments.monkey, arguments.seed)
+        return play(
+            graphs,
+            (arguments.size or [(64, 36)])[0],
+            scene,
+            arguments.monkey,
+            1 if arguments.seed is None else arguments.seed,
+        )
     print(
         "| graph | size | frames/s | input to picture, ms | rendering, ms | picture and JPEG, ms | of it CPU, ms | kB a frame |"
     )
     print("| --- " * 8 + "|")
     for graph in graphs:
         for size in arguments.size or [(320, 180), (640, 360)]:
-            print(row(graph, size, scene, arguments.seconds), flush=True)
+            print(row(graph, size, scene, arguments.seconds or 20), flush=True)
     return 0
 
 

@@ -1,7 +1,8 @@
-"""A seeded monkey at the live viewer: random input over its WebSocket, right, wrong and absurd; it fails where a queue
-grows, memory grows, or an exception is not a refusal. `benchmarks/viewer.py --monkey SECONDS` runs it."""
+"""A seeded monkey at the live viewer: random input over its WebSocket, right, wrong and absurd; it fails where the queue
+of commands grows, memory grows, a client ends, or an exception is not a refusal. `benchmarks/viewer.py --monkey SECONDS` runs it."""
 
 import asyncio
+import os
 import random
 import re
 import statistics
@@ -56,8 +57,8 @@ BETWEEN = 0.02  # s from one message to the next
 UNEXPECTED = re.compile(
     r"^[A-Z]\w*(Error|Exception|Exit|Warning): "
 )  # how the viewer tells an exception that is no refusal
-GROWTH = 1.1  # of resident memory from the first quarter on, with which a run still passes
-_ALLOWANCE = 64  # MB, besides
+GROWTH = 1.1  # of memory and queue from the second quarter to the last, with which a run still passes
+MEMORY, COMMANDS = 64, 10  # MB and commands, besides
 
 
 def message(dice):
@@ -69,7 +70,7 @@ def message(dice):
 def resident():
     """Memory of this process, MB."""
     pages = int(Path("/proc/self/statm").read_text().split()[1])
-    return pages * 4096 / 1e6
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 async def _read(socket, faults, seen):
@@ -101,7 +102,7 @@ async def _play(viewer, seconds, seed):
             asyncio.ensure_future(_read(socket, faults, seen)),
             asyncio.ensure_future(_watch_now_and_then(session, viewer.url, random.Random(seed + 1))),
         ]
-        while (passed := time.monotonic() - start) < seconds:
+        while (passed := time.monotonic() - start) < seconds or not memory:
             await socket.send_json(message(dice))
             seen["messages"] += 1
             if passed - noted > 1:
@@ -120,17 +121,36 @@ async def _play(viewer, seconds, seed):
             faults.append("no more pictures come")
         for task in tasks:
             task.cancel()
+        ends = await asyncio.gather(*tasks, return_exceptions=True)
+        faults += [f"a client ended: {type(end).__name__}: {end}" for end in ends if isinstance(end, Exception)]
     return faults, memory, queues, seen
+
+
+def early_and_late(values):
+    """Medians of the second and of the last quarter of what was noted now and then."""
+    quarter = max(1, len(values) // 4)
+    return statistics.median(values[quarter : 2 * quarter] or values), statistics.median(values[-quarter:])
+
+
+def growths(memory, queues):
+    """What has grown, a sentence each. memory, MB, and queues, commands: at least one number each."""
+    found = []
+    for name, values, unit, allowance in (
+        ("memory", memory, "MB", MEMORY),
+        ("the queue", queues, "commands", COMMANDS),
+    ):
+        early, late = early_and_late(values)
+        if late > GROWTH * early + allowance:
+            found.append(f"{name} has grown from {early:.0f} to {late:.0f} {unit}")
+    return found
 
 
 def run(viewer, seconds, seed):
     """(faults: a list of sentences, a line of numbers) of a monkey at a running viewer."""
     faults, memory, queues, seen = asyncio.run(_play(viewer, seconds, seed))
-    quarter = max(1, len(memory) // 4)
-    early, late = statistics.median(memory[quarter : 2 * quarter] or memory), statistics.median(memory[-quarter:])
-    if late > GROWTH * early + _ALLOWANCE:
-        faults.append(f"memory has grown from {early:.0f} to {late:.0f} MB")
-    if (left := viewer.rendering.waiting()) > 10:
+    faults += growths(memory, queues)
+    early, late = early_and_late(memory)
+    if (left := viewer.rendering.waiting()) > COMMANDS:
         faults.append(f"{left} commands still wait")
     if not viewer.rendering.is_alive():
         faults.append("the render thread has ended")

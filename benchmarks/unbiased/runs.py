@@ -61,6 +61,11 @@ def code_of(description):
     return digest(b"".join(digest(file.read_bytes()).encode() for file in files))
 
 
+def device_of(renderer):
+    """What pixels may depend on besides the code: the device that renders, its driver and the back end."""
+    return {name: renderer.device_info[name] for name in ("name", "driver", "backend")}
+
+
 class MethodRuns:
     """Runs of a method: of each, the frames named in the case, and how many samples were NaN or infinite."""
 
@@ -72,6 +77,7 @@ class MethodRuns:
         self.renderer = render.make_renderer(job)
         identity = {
             "job": job.key,
+            "device": device_of(self.renderer),
             "method": case.method.label,
             "scene": case.scene.stem,
             "frames": case.frames,
@@ -116,9 +122,11 @@ class ReferenceBatches:
         width, height = case.size
         plain = replace(REFERENCE, device=case.method.device, backend=case.method.backend)
         job = replace(case, method=plain, bounces=bounces).job()
+        self.renderer = render.make_renderer(job)
         pose = case.motion.pose(frame)
         identity = {
             "job": job.key,
+            "device": device_of(self.renderer),
             "method": "reference",
             "scene": case.scene.stem,
             "frames": batch_frames,
@@ -126,7 +134,6 @@ class ReferenceBatches:
             "pose": pose,
         }
         self.samples = Samples(folder, identity, [height, width])
-        self.renderer = render.make_renderer(job)
         case.motion.apply(self.renderer, self.renderer.camera, frame)
 
     def add(self):

@@ -3,7 +3,6 @@
 import fcntl
 import json
 import os
-import subprocess
 import time
 from pathlib import Path
 
@@ -11,14 +10,7 @@ import numpy as np
 
 from restirpg.harness import UserError, files
 from restirpg.harness.jobs import digest
-from restirpg.harness.render import ROOT
-
-
-def commit():
-    """The repository's commit, with a "+" where the working copy differs; "unknown" outside a repository."""
-    command = ["git", "-C", str(ROOT), "describe", "--always", "--abbrev=10", "--dirty=+"]
-    done = subprocess.run(command, capture_output=True, text=True)
-    return done.stdout.strip() if done.returncode == 0 else "unknown"
+from restirpg.harness.report import commit
 
 
 class Samples:

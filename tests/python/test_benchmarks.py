@@ -8,8 +8,10 @@ import sys
 
 import finished_rows
 import pytest
+import viewer_monkey
 from renderer_scenes import ROOT
 
+import restirpg
 from restirpg.harness import UserError
 from restirpg.harness.render import native_file
 
@@ -87,6 +89,46 @@ def test_without_mitsuba_or_a_converter_nothing_is_rendered(tmp_path, scene_file
     assert (done.returncode, done.stdout) == (2, "") and words in done.stderr and done.stderr.count("\n") == 1, (
         done.stderr
     )
+
+
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        (["--monkey", 5, "--seconds", 9], "--seconds changes nothing with --monkey"),
+        (["--monkey", 5, "--size", "16x9", "--size", "32x18"], "give --size once"),
+        (["--seed", 2], "--seed is that of --monkey"),
+    ],
+)
+def test_options_that_the_viewer_s_measurement_would_ignore_are_refused(tmp_path, options, words):
+    done = run(tmp_path, "viewer.py", "--scene", "absent.glb", *options)
+    assert done.returncode == 2 and words in done.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    "memory, queues, found",
+    [
+        ([100] * 8, [0, 3] * 4, []),
+        ([100] * 4 + [200] * 4, [0] * 8, ["memory has grown from 100 to 200 MB"]),
+        ([100] * 8, [0, 5, 10, 20, 40, 60, 80, 100], ["the queue has grown from 15 to 90 commands"]),
+        ([100], [0], []),
+    ],
+)
+def test_a_monkey_finds_memory_and_a_queue_that_grow(memory, queues, found):
+    assert viewer_monkey.growths(memory, queues) == found
+
+
+def test_a_second_client_that_fails_is_a_fault(scene_file, monkeypatch):
+    """It asks for a page that is not there."""
+
+    async def lost(session, url, dice):
+        async with session.ws_connect(url + "no-such-page"):
+            pass
+
+    monkeypatch.setattr(viewer_monkey, "_watch_now_and_then", lost)
+    scene = restirpg.load_scene(scene_file)
+    with restirpg.view([ROOT / "graphs/path_tracer.py"], scene, (16, 16), captures=None) as viewer:
+        faults, _ = viewer_monkey.run(viewer, 1, 1)
+    assert len(faults) == 1 and faults[0].startswith("a client ended: WSServerHandshakeError: 4"), faults
 
 
 @pytest.mark.parametrize("option", ["--runs", "--mitsuba-runs"])

@@ -13,11 +13,13 @@ import sys
 
 import numpy as np
 import pytest
+import runs
 from mutants import mutant
 from renderer_scenes import ROOT
-from unbiased.samples import Samples
+from samples import Samples
 
 from restirpg.harness import UserError
+from restirpg.harness.jobs import parse_method
 from restirpg.harness.statistics import LEVEL
 from restirpg.harness.unbiased import Reference, compare
 
@@ -98,6 +100,21 @@ def test_what_was_rendered_before_an_interruption_stays(out, scene_file, tmp_pat
     _, both = record(tmp_path / "parts", scene_file, *options)
     assert both["frames"] == whole["frames"] and both["runs"] == 6
     assert [session["first_run"] for session in both["sessions"]] == [0, 2]
+
+
+@pytest.mark.parametrize("name", ["name", "driver", "backend"])
+def test_samples_of_another_device_are_not_gone_on_with(scene_file, tmp_path, monkeypatch, name):
+    case = runs.Case(parse_method(f"{ROOT}/graphs/restir_pt.py"), scene_file, (16, 16), 2, (1,))
+
+    def folders():
+        sources = runs.MethodRuns(case, tmp_path), runs.ReferenceBatches(case, 2, 1, 2, tmp_path)
+        return [source.samples.folder for source in sources]
+
+    known = runs.device_of(runs.MethodRuns(case, tmp_path / "other").renderer)
+    first = folders()
+    assert folders() == first
+    monkeypatch.setattr(runs, "device_of", lambda _: {**known, name: "another"})
+    assert not set(folders()) & set(first)
 
 
 def test_a_cap_of_no_bounces_is_not_the_scenes_own(scene_file, tmp_path):
