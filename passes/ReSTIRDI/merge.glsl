@@ -17,8 +17,7 @@
 const uint RANDOM_RESAMPLING = 11u;  ///< dimension of a candidate: is it kept?
 const uint RANDOM_MERGE = 0x10000u;  ///< + round: which reservoir a merge keeps
 const uint RANDOM_PARTICIPANTS = 0x20000u;  ///< + round: which pixels take part
-const uint RANDOM_POOLS = 0x40000u;  ///< see pool_round
-const uint TEMPORAL_ROUND = 0xffffu;
+const uint RANDOM_POOLS = 0x40000u;  ///< + those of a round: see pool_round
 
 RandomKey direct_key(uvec2 at)
 {

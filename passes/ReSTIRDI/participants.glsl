@@ -6,12 +6,6 @@
 #include "merge.glsl"
 #include "restir/neighbours.glsl"
 
-/// Where the numbers of a round begin that choose from pools: MAX_POOL addresses a neighbour.
-uint pool_round(uint round)
-{
-    return RANDOM_POOLS + round * (MAX_NEIGHBOURS * MAX_POOL / RANDOM_DIMENSIONS);
-}
-
 /// Add the pixel that showed this surface in the frame before, when there is one.
 void add_previous(ReSTIRDIParameters params, RandomKey key, uvec2 at, Hit hit, vec2 motion)
 {
@@ -25,14 +19,11 @@ void add_previous(ReSTIRDIParameters params, RandomKey key, uvec2 at, Hit hit, v
 void add_around(ReSTIRDIParameters params, RandomKey key, uvec2 at)
 {
     Appearance centre = load_appearance(merge.surfaces, at.y * frame.c.size.x + at.x);
-    NeighbourRules rules = params.rules;
-    for (uint i = 0u; i < rules.neighbours; ++i) {
+    uint pools = pool_round(RANDOM_POOLS, params.round);
+    for (uint i = 0u; i < params.rules.neighbours; ++i) {
+        vec2 u = random2(key, RANDOM_PARTICIPANTS + params.round, i);
         uint pixel;
-        Appearance there;
-        bool found = rules.pool > 1u
-                         ? choose_compatible(merge.surfaces, at, centre, rules, key, pool_round(params.round), i * MAX_POOL, pixel)
-                         : draw_neighbour(merge.surfaces, at, centre, rules, random2(key, RANDOM_PARTICIPANTS + params.round, i), pixel, there);
-        if (found)
+        if (find_neighbour(merge.surfaces, at, centre, params.rules, i, u, key, pools, pixel))
             add_neighbour(pixel, merge.reservoirs.at[pixel].confidence);
     }
 }

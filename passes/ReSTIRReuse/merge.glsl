@@ -5,7 +5,6 @@
 #include "Shared.h"
 
 #include "restir/resampling.glsl"
-#include "restir/neighbours.glsl"
 #include "rounds.glsl"
 #include "restir/path_shift.glsl"
 

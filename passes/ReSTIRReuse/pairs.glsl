@@ -12,7 +12,7 @@ bool find_partner(uvec2 at, uint side, uint pattern, out uvec2 partner)
 {
     const uint NO_PIXEL = 0xffffffffu;
     RandomKey key = RandomKey(NO_PIXEL, frame.c.frame, frame.c.seed ^ RANDOM_STREAM_REUSE);
-    uint numbers = partner_round(params.round);
+    uint numbers = pool_round(FIRST_OF_PARTNERS, params.round);
     uvec2 shift = uvec2(random2(key, numbers, pattern) * float(side));
     uvec2 tile = (at + shift) / side;
     uvec2 place = (at + shift) % side;
@@ -46,7 +46,7 @@ float pair_bid(Seen a, Seen b, uint pattern)
         return 0.0;
     // The race of exponential variates: -log(u) / score is least for a member with a chance in proportion to its score.
     bool a_is_first = a.at.y < b.at.y || (a.at.y == b.at.y && a.at.x < b.at.x);
-    float u = random1(reuse_key(a_is_first ? a.at : b.at), pool_round(params.round), pattern);
+    float u = random1(reuse_key(a_is_first ? a.at : b.at), pool_round(FIRST_OF_POOLS, params.round), pattern);
     return compatibility(nearer, a.position, other, b.position) / -log(1.0 - max(u, 6e-8));  // u = 0 would be -log(1) = -0
 }
 

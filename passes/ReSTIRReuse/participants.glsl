@@ -11,18 +11,16 @@
 #endif
 
 /// Neighbour i of the pixel, if there is one whose surface is similar.
-bool find_neighbour(uvec2 at, Appearance centre, uint i, out uint pixel)
+bool find_participant(uvec2 at, Appearance centre, uint i, out uint pixel)
 {
 #if RECIPROCAL
     uint self = at.y * frame.c.size.x + at.x;
     pixel = chosen_partner(self, i);
     return pixel != INVALID_INDEX && chosen_partner(pixel, i) == self;
 #else
-    NeighbourRules rules = params.rules;
-    Appearance there;
-    if (rules.pool > 1u)
-        return choose_compatible(params.surface, at, centre, rules, reuse_key(at), pool_round(params.round), i * MAX_POOL, pixel);
-    return draw_neighbour(params.surface, at, centre, rules, random2(reuse_key(at), spatial_round(params.round), 2u * i), pixel, there);
+    RandomKey key = reuse_key(at);
+    vec2 u = random2(key, spatial_round(params.round), 2u * i);
+    return find_neighbour(params.surface, at, centre, params.rules, i, u, key, pool_round(FIRST_OF_POOLS, params.round), pixel);
 #endif
 }
 
@@ -39,7 +37,7 @@ Neighbours find_neighbours(uvec2 at)
     Neighbours found = Neighbours(ShortList(uvec4(0u), uvec4(0u), uvec4(0u), uvec4(0u)), 0.0, false);
     for (uint i = 0u; i < params.rules.neighbours; ++i) {
         uint pixel;
-        if (find_neighbour(at, centre, i, pixel)) {
+        if (find_participant(at, centre, i, pixel)) {
             found.confidence += PathReservoirArray(params.source).at[pixel].confidence;
             found.any = true;
         } else {

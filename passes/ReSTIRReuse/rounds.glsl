@@ -3,10 +3,7 @@
 #ifndef RESTIRPG_RESTIR_REUSE_ROUNDS_GLSL
 #define RESTIRPG_RESTIR_REUSE_ROUNDS_GLSL
 
-#include "Shared.h"
-#include "math/random.glsl"
-
-const uint TEMPORAL_ROUND = 0xffffu;
+#include "restir/neighbours.glsl"
 
 /// Numbers of a spatial round: two a neighbour, and one for the centre.
 const uint SPATIAL_NUMBERS = 2u * MAX_NEIGHBOURS + 1u;
@@ -16,18 +13,8 @@ uint spatial_round(uint round)
     return round * ((SPATIAL_NUMBERS + RANDOM_DIMENSIONS - 1u) / RANDOM_DIMENSIONS);
 }
 
-/// Where the numbers begin that choose from pools: MAX_POOL addresses a neighbour.
-uint pool_round(uint round)
-{
-    const uint FIRST = 0x20000u;
-    return FIRST + round * (MAX_NEIGHBOURS * MAX_POOL / RANDOM_DIMENSIONS);
-}
-
-/// Where the numbers begin that pair pixels, as many addresses.
-uint partner_round(uint round)
-{
-    const uint FIRST = 0x30000u;
-    return FIRST + round * (MAX_NEIGHBOURS * MAX_POOL / RANDOM_DIMENSIONS);
-}
+/// Where the numbers begin that choose from pools, and those that pair pixels: see pool_round.
+const uint FIRST_OF_POOLS = 0x20000u;
+const uint FIRST_OF_PARTNERS = 0x30000u;
 
 #endif

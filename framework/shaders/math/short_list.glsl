@@ -1,8 +1,8 @@
-// A list of up to 16 words in registers. An array that is indexed at run time is slow on CPU devices: each access is a branch per element.
+// A list of up to SHORT_LIST_SIZE words in registers. An array that is indexed at run time is slow on CPU devices: each access is a branch per element.
 #ifndef RESTIRPG_SHORT_LIST_GLSL
 #define RESTIRPG_SHORT_LIST_GLSL
 
-const uint SHORT_LIST_SIZE = 16u;
+#include "short_list_types.h"
 
 struct ShortList {
     uvec4 a, b, c, d;

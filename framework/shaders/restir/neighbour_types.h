@@ -1,11 +1,11 @@
 // How pixels find the pixels that they merge with: part of the parameters of ReSTIRDI and ReSTIRReuse.
 #ifndef RESTIRPG_NEIGHBOUR_TYPES_H
 #define RESTIRPG_NEIGHBOUR_TYPES_H
-#include "shaders/types.h"
+#include "shaders/math/short_list_types.h"
 RESTIRPG_SHARED
 
-/// Neighbours that one pixel can merge in one round.
-RESTIRPG_CONST MAX_NEIGHBOURS = 16u;
+/// Neighbours that one pixel can merge in one round: as many as a ShortList holds.
+RESTIRPG_CONST MAX_NEIGHBOURS = SHORT_LIST_SIZE;
 RESTIRPG_CONST MAX_POOL = 32u;
 
 struct NeighbourRules {

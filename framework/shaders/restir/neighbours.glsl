@@ -9,6 +9,15 @@
 #include "math/sampling.glsl"
 #include "scene/surface.glsl"
 
+/// The round of temporal reuse, for random numbers; rounds of spatial reuse count from 0.
+const uint TEMPORAL_ROUND = 0xffffu;
+
+/// Where the numbers of a round begin that choose from pools, those of round 0 beginning at `first`: MAX_POOL addresses a neighbour.
+uint pool_round(uint first, uint round)
+{
+    return first + round * (MAX_NEIGHBOURS * MAX_POOL / RANDOM_DIMENSIONS);
+}
+
 /// The shading normal on the camera's side.
 vec3 normal_towards(Surface s, vec3 camera)
 {
@@ -131,6 +140,17 @@ bool choose_compatible(Address surfaces, uvec2 at, Appearance centre, NeighbourR
             pixel = candidate;
     }
     return sum > 0.0;
+}
+
+/// Neighbour i of a pixel in a round of spatial reuse, if there is one whose surface is similar. `u` draws it; where there are pools of
+/// pixels to choose from, the numbers of `key` from `pools` on do (pool_round).
+bool find_neighbour(Address surfaces, uvec2 at, Appearance centre, NeighbourRules rules, uint i, vec2 u, RandomKey key, uint pools,
+                    out uint pixel)
+{
+    Appearance there;
+    if (rules.pool > 1u)
+        return choose_compatible(surfaces, at, centre, rules, key, pools, i * MAX_POOL, pixel);
+    return draw_neighbour(surfaces, at, centre, rules, u, pixel, there);
 }
 
 #endif
