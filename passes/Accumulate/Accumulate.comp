@@ -45,11 +45,10 @@ AccumulatorState add(AccumulatorState state, vec3 x)
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 position = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(position, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = position.y * frame.c.size.x + position.x;
 
     AccumulatorState state = StateArray(params.history).at[pixel];
     vec3 x = frame_value(pixel);

@@ -13,8 +13,6 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { GBufferParameters params; };
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Vec2Image { vec2 at[]; };
-
 /// From where a point is on the pixel plane to where camera_project found it in the frame before. NaN where it was behind the camera: there
 /// the projection is that of its mirror image.
 vec2 motion_to(vec3 before, vec2 now)
@@ -77,11 +75,10 @@ void write_miss(uint pixel, Hit hit, vec3 direction, vec2 point, vec2 size)
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     vec2 size = vec2(frame.c.picture);
     vec2 inside = vec2(0.5);
     if (params.jitter != 0u)

@@ -63,7 +63,7 @@ void main()
         header.at.prior = params.prior;
         header.at.largestKappa = params.largestKappa;
     }
-    uint number = (at.y * frame.c.size.x + at.x) * params.stride + at.z;
+    uint number = pixel_index(at.xy) * params.stride + at.z;
     GuidingSample s = GuidingSampleArray(params.samples).at[number];
     if (!is_valid(s.vertex))
         return;

@@ -11,7 +11,6 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { GuidingScreenParameters params; };
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vec2Array { vec2 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer StatisticsArray { ScreenStatistics at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ScreenLobeArray { ScreenLobe at[]; };
 
@@ -76,14 +75,14 @@ ScreenStatistics gather(Place here, uvec2 at, uint previous)
     vec2 u = random2(random_key(picture_pixel(at), frame.c.frame, frame.c.seed ^ RANDOM_STREAM_SCREEN), 0u, 0u);
     uint place = uint(u.x * float(SCREEN_NEIGHBOURS));
     uint stride = STEPS[uint(u.y * 8.0)];
-    ivec2 centre = ivec2(previous % frame.c.size.x, previous / frame.c.size.x);
+    ivec2 centre = ivec2(pixel_place(previous));
     for (uint i = 0u; i < params.neighbours; ++i) {
         uint cell = place < SCREEN_NEIGHBOURS / 2u ? place : place + 1u;
         ivec2 found = centre + ivec2(cell % SCREEN_WINDOW, cell / SCREEN_WINDOW) - int(SCREEN_WINDOW / 2u);
         place = (place + stride) % SCREEN_NEIGHBOURS;
         if (any(lessThan(found, ivec2(0))) || any(greaterThanEqual(found, ivec2(frame.c.size))))
             continue;
-        uint pixel = uint(found.y) * frame.c.size.x + uint(found.x);
+        uint pixel = pixel_index(uvec2(found));
         if (find_similar(here, pixel, there))
             statistics = add_sample_of(statistics, here, there, pixel);
     }
@@ -107,11 +106,10 @@ void write_pixel(uint pixel, ScreenStatistics statistics, ScreenLobe lobe, vec3 
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     Hit hit = primary_hit(params.surface, pixel);
     ScreenStatistics statistics = no_statistics();
     ScreenLobe lobe = ScreenLobe(SCREEN_LOBE_NONE, vec2(0.0), vec3(0.0));
@@ -119,7 +117,7 @@ void main()
     if (hit.instance != INVALID_INDEX) {
         Place here = load_place(hit);
         uint previous;
-        if (frame.c.reset == 0u && find_previous_pixel(at, Vec2Array(params.motion).at[pixel], vec2(0.5), previous))
+        if (frame.c.reset == 0u && find_previous_pixel(at, Vec2Image(params.motion).at[pixel], vec2(0.5), previous))
             statistics = gather(here, at, previous);
         lobe = fit_lobe(statistics, params.kind, here.local_frame, params.prior, params.regularisation);
         normal = here.local_frame[2];

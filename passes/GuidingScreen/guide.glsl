@@ -8,7 +8,7 @@ bool guide_lookup(Address guide, GuideQuery query, out Guide g)
 {
     if (query.bounce != 1u)
         return false;
-    ScreenLobe lobe = ScreenLobeArray(guide).at[query.pixel.y * frame.c.size.x + query.pixel.x];
+    ScreenLobe lobe = ScreenLobeArray(guide).at[pixel_index(query.pixel)];
     g = place_lobe(lobe, query.normal);
     return lobe.kind != SCREEN_LOBE_NONE;
 }

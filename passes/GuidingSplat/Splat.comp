@@ -122,7 +122,7 @@ void main()
         GuidingHeaderRef(params.statistics).at.capacity = params.capacity;
         GuidingHeaderRef(params.statistics).at.options = learns_alpha() ? GUIDING_ALPHA : 0u;
     }
-    Sample s = load_sample((at.y * frame.c.size.x + at.x) * params.stride + at.z);
+    Sample s = load_sample(pixel_index(at.xy) * params.stride + at.z);
     if (s.weight > 0.0)
         add_sample(grid, s);
 }

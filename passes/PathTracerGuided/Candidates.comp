@@ -278,11 +278,10 @@ void trace_tree(Hit hit, uvec2 at, uint number)
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     kept = empty_path_reservoir(1.0);
     weight_sum = 0.0;
     begin_training();

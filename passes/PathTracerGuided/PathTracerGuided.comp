@@ -84,11 +84,10 @@ vec3 trace_path(Hit hit, uvec2 pixel, RandomKey key)
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     Hit hit = primary_hit(params.surface, pixel);
     vec3 radiance = vec3(0.0);
     if (hit.instance != INVALID_INDEX)

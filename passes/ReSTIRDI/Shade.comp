@@ -9,11 +9,10 @@ layout(push_constant, scalar) uniform Push { ReSTIRDIParameters params; };
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     LightReservoir r = LightReservoirArray(params.source).at[pixel];
     vec3 radiance = vec3(0.0);
     if (r.ucw > 0.0) {

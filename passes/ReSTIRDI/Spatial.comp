@@ -8,11 +8,10 @@ layout(push_constant, scalar) uniform Push { ReSTIRDIParameters params; };
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     Hit hit = primary_hit(params.surface, pixel);
     LightReservoir r = LightReservoirArray(params.source).at[pixel];
     merge.light = vec3(0.0);

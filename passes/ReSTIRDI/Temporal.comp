@@ -5,15 +5,13 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { ReSTIRDIParameters params; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vec2Array { vec2 at[]; };
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     Hit hit = primary_hit(params.surface, pixel);
     merge.light = vec3(0.0);
     if (hit.instance != INVALID_INDEX) {
@@ -25,7 +23,7 @@ void main()
         merge.shade = params.radiance != 0ul;
         begin_merge(load_domain(hit, false), reservoirs.at[pixel]);
         RandomKey key = direct_key(at);
-        add_previous(params, key, at, hit, Vec2Array(params.motion).at[pixel]);
+        add_previous(params, key, at, hit, Vec2Image(params.motion).at[pixel]);
         if (merge.count > 0u || merge.shade)
             reservoirs.at[pixel] = merge_reservoirs(key, TEMPORAL_ROUND);
     }

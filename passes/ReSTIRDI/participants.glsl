@@ -18,7 +18,7 @@ void add_previous(ReSTIRDIParameters params, RandomKey key, uvec2 at, Hit hit, v
 /// Add up to rules.neighbours pixels of the disk about this one.
 void add_around(ReSTIRDIParameters params, RandomKey key, uvec2 at)
 {
-    Appearance centre = load_appearance(merge.surfaces, at.y * frame.c.size.x + at.x);
+    Appearance centre = load_appearance(merge.surfaces, pixel_index(at));
     uint pools = pool_round(RANDOM_POOLS, params.round);
     for (uint i = 0u; i < params.rules.neighbours; ++i) {
         vec2 u = random2(key, RANDOM_PARTICIPANTS + params.round, i);

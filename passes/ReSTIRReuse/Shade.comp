@@ -9,11 +9,10 @@ layout(push_constant, scalar) uniform Push { ReuseParameters params; };
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     PathReservoir r = PathReservoirArray(params.source).at[pixel];
     Vec3Image(params.radiance).at[pixel] = r.f * r.ucw;
 }

@@ -66,11 +66,10 @@ Choice merge_neighbours(uvec2 at, uint centre, Hit hit, Neighbours neighbours, P
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     Hit hit = primary_hit(params.surface, pixel);
     Choice kept = keep(PathReservoirArray(params.source).at[pixel], pixel);
     if (hit.instance != INVALID_INDEX) {

@@ -44,11 +44,10 @@ Choice merge_history(uvec2 at, Hit hit, PathReservoir own, uint before)
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     Hit hit = primary_hit(params.surface, pixel);
     Choice kept = keep(PathReservoirArray(params.source).at[pixel], OWN);
     vec2 u = random2(reuse_key(at), TEMPORAL_ROUND, 0u);
@@ -56,7 +55,7 @@ void main()
     // Which vertices reconnect depends on the radius of the scene's sphere: where that has changed, this frame's paths have images in the
     // history's domain that the history's paths of the same kind do not have here.
     if (hit.instance != INVALID_INDEX && frame.c.rescaled == 0u &&
-        find_history(params.previousSurface, hit, at, Vec2Array(params.motion).at[pixel], u, params.rules, before))
+        find_history(params.previousSurface, hit, at, Vec2Image(params.motion).at[pixel], u, params.rules, before))
         kept = merge_history(at, hit, kept.path, before);
     write_choice(params, pixel, kept, kept.owner == OWN ? pixel : before | OF_HISTORY);
 }

@@ -57,11 +57,10 @@ void write_prefix(PathReservoir r, Hit hit, uint first)
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     PathReservoir r = PathReservoirArray(params.source).at[pixel];
     uint origin = origin_of(params.origins, pixel);
     PathVertexArray from = PathVertexArray((origin & OF_HISTORY) != 0u ? params.history : params.candidates);

@@ -8,8 +8,6 @@
 #include "rounds.glsl"
 #include "restir/path_shift.glsl"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vec2Array { vec2 at[]; };
-
 RandomKey reuse_key(uvec2 at)
 {
     return random_key(picture_pixel(at), frame.c.frame, frame.c.seed ^ RANDOM_STREAM_REUSE);

@@ -31,7 +31,7 @@ struct Seen {
 
 Seen see(uvec2 at)
 {
-    Appearance looks = load_appearance(params.surface, at.y * frame.c.size.x + at.x);
+    Appearance looks = load_appearance(params.surface, pixel_index(at));
     return Seen(at, looks, seen_position(at, looks));
 }
 
@@ -70,7 +70,7 @@ uint choose_partner(Seen centre, uint i)
         uvec2 partner;
         if (!find_partner(centre.at, side, pattern, partner))
             continue;
-        uint pixel = partner.y * frame.c.size.x + partner.x;
+        uint pixel = pixel_index(partner);
         if (primary_hit(params.surface, pixel).instance == INVALID_INDEX)
             continue;
         float bid = pair_bid(centre, see(partner), pattern);

@@ -14,7 +14,7 @@
 bool find_participant(uvec2 at, Appearance centre, uint i, out uint pixel)
 {
 #if RECIPROCAL
-    uint self = at.y * frame.c.size.x + at.x;
+    uint self = pixel_index(at);
     pixel = chosen_partner(self, i);
     return pixel != INVALID_INDEX && chosen_partner(pixel, i) == self;
 #else
@@ -33,7 +33,7 @@ struct Neighbours {
 
 Neighbours find_neighbours(uvec2 at)
 {
-    Appearance centre = load_appearance(params.surface, at.y * frame.c.size.x + at.x);
+    Appearance centre = load_appearance(params.surface, pixel_index(at));
     Neighbours found = Neighbours(ShortList(uvec4(0u), uvec4(0u), uvec4(0u), uvec4(0u)), 0.0, false);
     for (uint i = 0u; i < params.rules.neighbours; ++i) {
         uint pixel;

@@ -6,8 +6,6 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { ToneMapParameters params; };
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Vec3Image { vec3 at[]; };
-
 /// Above it the curve is a straight line, and its terms are still finite.
 const float LARGEST_LUMINANCE = 1e30;
 
@@ -26,11 +24,10 @@ vec3 encode_srgb(vec3 rgb)
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     vec3 rgb = max(Vec3Image(params.image).at[pixel] * params.gain, vec3(0.0));
     if (params.curve == TONE_CURVE_REINHARD)
         rgb = reinhard(rgb);

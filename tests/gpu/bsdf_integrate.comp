@@ -6,8 +6,6 @@
 
 const uint SUBDIVISIONS = 32u;
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Vec2Image { vec2 at[]; };
-
 /// wi at a point d of the binned domain, and |d(wi) / d(d)|; 0 where no direction belongs to it.
 float direction_at(Bsdf b, vec3 d, out vec3 wi)
 {

@@ -7,8 +7,6 @@
 
 const uint SUBDIVISIONS = 64u;
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Vec2Image { vec2 at[]; };
-
 /// Moeller & Trumbore 1997. xy: barycentrics, z: distance; false: no hit.
 bool intersect(WorldTriangle t, vec3 origin, vec3 d, out vec3 hit)
 {

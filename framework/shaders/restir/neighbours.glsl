@@ -79,7 +79,7 @@ bool find_previous_pixel(uvec2 at, vec2 motion, vec2 u, out uint pixel)
     pixel = 0u;
     if (any(isnan(motion)) || any(lessThan(found, vec2(0.0))) || any(greaterThanEqual(found, vec2(frame.c.size))))
         return false;
-    pixel = uint(found.y) * frame.c.size.x + uint(found.x);
+    pixel = pixel_index(uvec2(found));
     return true;
 }
 
@@ -107,7 +107,7 @@ bool find_neighbour_pixel(uvec2 at, float radius, vec2 u, out uint pixel)
     pixel = 0u;
     if (any(lessThan(found, ivec2(0))) || any(greaterThanEqual(found, ivec2(frame.c.size))) || found == ivec2(at))
         return false;
-    pixel = uint(found.y) * frame.c.size.x + uint(found.x);
+    pixel = pixel_index(uvec2(found));
     return true;
 }
 
@@ -134,8 +134,7 @@ bool choose_compatible(Address surfaces, uvec2 at, Appearance centre, NeighbourR
         Appearance there;
         if (!draw_neighbour(surfaces, at, centre, rules, u.xy, candidate, there))
             continue;
-        uvec2 place = uvec2(candidate % frame.c.size.x, candidate / frame.c.size.x);
-        float score = compatibility(centre, position, there, seen_position(place, there));
+                float score = compatibility(centre, position, there, seen_position(pixel_place(candidate), there));
         if (resample(sum, score, u.z))
             pixel = candidate;
     }

@@ -4,7 +4,6 @@
 
 #include "texture.glsl"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vec3Array { vec3 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer UintArray { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer VertexExtrasArray { VertexExtras at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialArray { Material at[]; };
@@ -12,8 +11,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Lig
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ImportanceCellArray { ImportanceCell at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PrimaryHitArray { PrimaryHit at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer WordArray { uint64_t at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FloatImage { float at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Vec3Image { vec3 at[]; };
 
 // Records are read in words of 64 bits: CPU devices load component by component, whatever its width.
 

@@ -18,11 +18,10 @@ VmfMixture known_mixture()
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     uint place = pixel % params.places;
     vec3 position = SCENE.center + SPACING * SCENE.radius * vec3(float(place % 64u) - 31.5, 0.0, float(place / 64u) - 31.5);
     VmfMixture m = known_mixture();

@@ -57,11 +57,10 @@ ReplayReservoir draw(Vertex v, RandomKey key)
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     RandomKey key = random_key(at, frame.c.frame, frame.c.seed);
     ReplayReservoir kept = ReplayReservoir(key.pixel, key.frame, vec3(0.0), 0.0, 1.0);
     vec3 radiance = vec3(0.0);

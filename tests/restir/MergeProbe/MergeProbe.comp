@@ -5,7 +5,6 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { ReSTIRDIParameters params; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Vec2Array { vec2 at[]; };
 
 /// The reservoir with which a participant would hold the point: the kernel of its own frame stores the target as its
 /// camera saw the surface.
@@ -64,11 +63,10 @@ vec2 probe()
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
-    uint pixel = at.y * frame.c.size.x + at.x;
     Hit hit = primary_hit(params.surface, pixel);
     vec2 sums = vec2(0.0);
     if (hit.instance != INVALID_INDEX) {
@@ -81,9 +79,9 @@ void main()
         if (!merge.previous)
             add_around(params, key, at);
         else if (frame.c.reset == 0u)
-            add_previous(params, key, at, hit, Vec2Array(params.motion).at[pixel]);
+            add_previous(params, key, at, hit, Vec2Image(params.motion).at[pixel]);
         if (merge.count > 0u)
             sums = probe();
     }
-    Vec2Array(params.radiance).at[pixel] = sums;
+    Vec2Image(params.radiance).at[pixel] = sums;
 }

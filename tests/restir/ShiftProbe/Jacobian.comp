@@ -84,9 +84,9 @@ float path_density(PathReservoir r, ShadingPoint x1)
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
     PathReservoir path, image;
     ShadingPoint here, there;
@@ -101,5 +101,5 @@ void main()
         bool canonical;
         result = vec4(float(inspect(path, here, canonical)), measured / claimed, claimed, measured > 0.0 ? 1.0 : 0.0);
     }
-    Vec4Array(params.result).at[at.y * frame.c.size.x + at.x] = result;
+    Vec4Array(params.result).at[pixel] = result;
 }

@@ -47,14 +47,14 @@ vec4 round_trip(PathReservoir path, ShadingPoint here, ShadingPoint there)
 
 void main()
 {
-    frame = FrameRef(params.frame);
-    uvec2 at = gl_GlobalInvocationID.xy;
-    if (any(greaterThanEqual(at, frame.c.size)))
+    uvec2 at;
+    uint pixel;
+    if (!begin_pixel(params.frame, at, pixel))
         return;
     PathReservoir path;
     ShadingPoint here, there;
     vec4 result = vec4(0.0, 0.0, 0.0, TRIP_NO_PATH);
     if (load_case(at, path, here, there))
         result = round_trip(path, here, there);
-    Vec4Array(params.result).at[at.y * frame.c.size.x + at.x] = result;
+    Vec4Array(params.result).at[pixel] = result;
 }

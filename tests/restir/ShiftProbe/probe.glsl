@@ -34,7 +34,7 @@ ShadingPoint load_pair(uint pixel)
 /// This pixel's domain and path, and the domain to shift it to; false: nothing to shift.
 bool load_case(uvec2 at, out PathReservoir path, out ShadingPoint here, out ShadingPoint there)
 {
-    uint pixel = at.y * frame.c.size.x + at.x;
+    uint pixel = pixel_index(at);
     Hit hit = primary_hit(params.surface, pixel);
     path = PathReservoirArray(params.reservoirs).at[pixel];
     uint other = pixel;
