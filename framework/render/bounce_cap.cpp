@@ -7,29 +7,27 @@
 namespace restirpg {
 namespace {
 
-/// Has every pass that has a cap this one?
-bool areCapped(const Graph& graph, uint32_t cap)
+/// Has a pass this cap?
+bool isCapped(const Graph& graph, uint32_t cap)
 {
-    return std::all_of(graph.passes().begin(), graph.passes().end(), [&](const GraphPass& pass) {
+    return std::any_of(graph.passes().begin(), graph.passes().end(), [&](const GraphPass& pass) {
         const auto& knobs = pass.interface.knobs();
-        return std::all_of(knobs.begin(), knobs.end(),
-                           [&](const Knob& knob) { return knob.name != "bounces" || knob.get() == cap; });
+        return std::any_of(knobs.begin(), knobs.end(),
+                           [&](const Knob& knob) { return knob.name == "bounces" && knob.get() == cap; });
     });
 }
 
-/// Run `action`; its Error about a cap names the scene when the cap is the scene's `own`.
+/// Run `action`; where the cap is the scene's own, its Error has a line that says so.
 template <typename Action>
-void namingScene(const Scene& scene, bool own, Action action)
+void namingCap(const Scene& scene, bool own, Action action)
 {
     try {
         action();
     } catch (const Error& error) {
-        const std::string text = error.what();
-        if (!own || text.find("'bounces'") == std::string::npos)
+        if (!own)
             throw;
-        throw Error(fmt::format("{}: asset.extras.restirpg.bounces is {}: {}; give another cap: bounces=N in Python, "
-                                "--bounces N on the command line",
-                                escaped(scene.file.string()), *scene.bounceCap, text));
+        throw Error(fmt::format("{}\n    bounce cap {} is the scene's; --bounces replaces it (bounces= in Python)",
+                                error.what(), *scene.bounceCap));
     }
 }
 
@@ -40,15 +38,15 @@ uint32_t capBounces(Graph& graph, const Scene& scene, std::optional<uint32_t> wa
     const auto cap = wanted ? wanted : scene.bounceCap;
     uint32_t passes = 0;
     if (cap)
-        namingScene(scene, !wanted, [&] { passes = graph.setKnobEverywhere("bounces", *cap); });
+        namingCap(scene, !wanted, [&] { passes = graph.setKnobEverywhere("bounces", *cap); });
     return passes;
 }
 
 void checkCapped(const Graph& graph, const Scene& scene, std::optional<uint32_t> wanted)
 {
     // One that was set since is not the scene's.
-    const bool own = !wanted && scene.bounceCap && areCapped(graph, *scene.bounceCap);
-    namingScene(scene, own, [&] { graph.check(); });
+    const bool own = !wanted && scene.bounceCap && isCapped(graph, *scene.bounceCap);
+    namingCap(scene, own, [&] { graph.check(); });
 }
 
 }  // namespace restirpg

@@ -13,8 +13,8 @@ namespace restirpg {
 /// the number of passes.
 uint32_t capBounces(Graph& graph, const Scene& scene, std::optional<uint32_t> wanted);
 
-/// Graph::check after that, once all knobs are set. Of both, an Error about a cap that is the scene's own names the
-/// scene and what replaces the cap.
+/// Graph::check after that, once all knobs are set. Where a cap is the scene's own, each Error of both says so in an
+/// indented line.
 void checkCapped(const Graph& graph, const Scene& scene, std::optional<uint32_t> wanted);
 
 }  // namespace restirpg

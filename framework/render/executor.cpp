@@ -37,7 +37,7 @@ Executor::~Executor()
 /// Of one buffer of an output of `pass`, whose knobs tell its size.
 uint64_t Executor::copyBytes(const PlannedResource& plan, const GraphPass& pass) const
 {
-    constexpr uint64_t MOST_ITEMS = (1ull << 31) - 1;  // GuidingChain needs a bit besides an item's number
+    constexpr uint64_t MOST_ITEMS = (1ull << 32) - 1;
     const auto& port = pass.interface.outputs()[plan.output];
     const uint64_t bytes = port.type.bytes(width_, height_);
     if (port.type.itemBytes > 0 && bytes / port.type.itemBytes > MOST_ITEMS)

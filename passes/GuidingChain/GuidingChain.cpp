@@ -55,6 +55,13 @@ public:
     void record(Frame& frame) override
     {
         const uint32_t stride = samples_.countPerPixel<GuidingSample>();
+        // A proposal is its sample's number and one bit more, in 32 bits (ChainProposals).
+        constexpr uint64_t MOST_SAMPLES = (1ull << 31) - 1;
+        const uint64_t samples = uint64_t(frame.width()) * frame.height() * stride;
+        if (samples > MOST_SAMPLES)
+            fail("'samples' has {} bounces at {}x{} pixels, of which chains can count {}; lower guided_bounces or "
+                 "trees of the pass that traces them, or render a window",
+                 samples, frame.width(), frame.height(), MOST_SAMPLES);
         const GuidingChainParameters parameters{frame.constants(),
                                                 samples_->address(),
                                                 history_.empty ? 0 : history_->address(),

@@ -301,12 +301,14 @@ def test_a_scenes_own_bounce_cap_is_replaced(tmp_path):
         file.read_text().replace('"version": "2.0"', '"version": "2.0", "extras": {"restirpg": {"bounces": 20}}')
     )
     command = ["render", GRAPH.with_name("restir_pg.py"), "--scene", file, *render_command(file, frames=1)[4:]]
-    said = refusal(*command, folder=tmp_path)
-    assert said.startswith(f"{file}: asset.extras.restirpg.bounces is 20: ") and "--bounces N" in said
+    code, _, said = restirpg(*command, folder=tmp_path)
+    assert code == 2 and said.endswith(
+        "\n    bounce cap 20 is the scene's; --bounces replaces it (bounces= in Python)\n"
+    )
     other = tmp_path / "other.gltf"
     other.write_text(file.read_text().replace('{"bounces": 20}', '{"bounces": 8}'))
     said = refusal(*command[:3], other, *command[4:], "--set", "paths.bounces=20", folder=tmp_path)
-    assert "'bounces' is 20; set it lower" in said and "other.gltf" not in said
+    assert "'bounces' is 20; set it lower" in said and "the scene's" not in said
     for option in (["--bounces", "3"], ["--set", "paths.bounces=3"]):
         assert restirpg(*command, *option, "--time", "0.5", "--fps", "8", folder=tmp_path)[0] == 0
         header = header_of(tmp_path / "a.exr")
