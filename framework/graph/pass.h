@@ -13,7 +13,7 @@ class Device;  // gpu/device.h
 class Frame;  // render/frame.h
 
 /// Changes whenever a struct or a virtual function that plugins see changes. Checked when a plugin is loaded.
-constexpr uint32_t PLUGIN_ABI = 8;
+constexpr uint32_t PLUGIN_ABI = 9;
 
 class Pass {
 public:

@@ -1,5 +1,7 @@
 #include "render/frame.h"
 
+#include "gpu/device.h"
+
 namespace restirpg {
 
 void Frame::barrier()
@@ -10,6 +12,13 @@ void Frame::barrier()
                             VK_ACCESS_TRANSFER_WRITE_BIT;
     constexpr VkPipelineStageFlags STAGES = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
     vkCmdPipelineBarrier(commands_, STAGES, STAGES, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+}
+
+uint64_t Frame::scratch(Buffer& buffer, uint64_t bytes, const char* name)
+{
+    if (buffer.bytes() < bytes)
+        buffer = device_.createBuffer(bytes, name);
+    return buffer.address();
 }
 
 void Frame::copy(const Buffer& from, const Buffer& to)

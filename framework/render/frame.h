@@ -41,6 +41,10 @@ public:
         dispatch(kernel, parameters, width_, height_);
     }
 
+    /// The address of a buffer of the pass's own, made anew where it has fewer bytes: for what the pass keeps within a
+    /// frame.
+    uint64_t scratch(Buffer& buffer, uint64_t bytes, const char* name);
+
     /// Copy all of a buffer into another of its size.
     void copy(const Buffer& from, const Buffer& to);
 

@@ -69,7 +69,6 @@ public:
 
     void build(Device& device) override
     {
-        device_ = &device;
         const bool guided = !guide_.module.empty();
         const Defines defines = {
             {"GUIDED", guided ? "1" : "0"}, {"VERTICES", vertices_ ? "1" : "0"}, {"SAMPLES", samples_ ? "1" : "0"}};
@@ -88,7 +87,7 @@ public:
                                               addressOf(candidates_),
                                               addressOf(guide_),
                                               addressOf(vertices_),
-                                              spareVertices(),
+                                              spareVertices(frame),
                                               addressOf(samples_),
                                               bounces_,
                                               nee_,
@@ -110,13 +109,11 @@ private:
 
     /// While one tree is traced, the bounces of the path that is kept from those before it lie in the one array or the
     /// other.
-    Address spareVertices()
+    Address spareVertices(Frame& frame)
     {
         if (!vertices_ || trees_ == 1)
             return 0;
-        if (spareVertices_.bytes() != vertices_->bytes())
-            spareVertices_ = device_->createBuffer(vertices_->bytes(), "bounces of another path tree");
-        return spareVertices_.address();
+        return frame.scratch(spareVertices_, vertices_->bytes(), "bounces of another path tree");
     }
 
     In<Buffer> surface_, guide_;
@@ -127,7 +124,6 @@ private:
     float alpha_ = 0.5f;
     uint32_t guidedBounces_ = 64;
     uint32_t trees_ = 1;
-    Device* device_ = nullptr;
     Buffer spareVertices_;
     Kernel kernel_, treeKernel_;
 };

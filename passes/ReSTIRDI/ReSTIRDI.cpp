@@ -1,4 +1,5 @@
 #include "Shared.h"
+#include "graph/neighbour_knobs.h"
 #include "render/frame.h"
 
 #include <array>
@@ -14,16 +15,7 @@ public:
         const PortType reservoir = perPixel<LightReservoir>("LightReservoir");
         io.input("surface", surface_, perPixel<PrimaryHit>("Surface"), "primary hit of each pixel, through its centre");
         io.ofThisFrame();
-        io.optionalInput("motion", motion_, motionVectors(),
-                         "where the point was in the frame before, minus where it is, in pixels");
-        io.ofThisFrame();
-        io.optionalInput("previous_surface", previousSurface_, perPixel<PrimaryHit>("Surface"),
-                         "the surface one frame ago: prev(\"gbuffer.surface\")");
-        io.ofFrameBefore();
-        io.optionalInput("history", history_, reservoir,
-                         "the output reservoirs, one frame ago: prev(\"direct.reservoirs\")");
-        io.ofFrameBefore();
-        io.together({"motion", "previous_surface", "history"});
+        historyInputs(io, motion_, previousSurface_, history_, reservoir, "direct.reservoirs");
         io.output("radiance", radiance_, image(3),
                   "direct light scattered to the camera through lobes that are not deltas, W/sr/m^2");
         io.output("reservoirs", reservoirs_, reservoir,
@@ -33,32 +25,21 @@ public:
         io.knob("temporal", temporal_, "merge with what the same surface kept in the frame before");
         io.knob("cap", cap_, 1, 1000, "largest confidence of the history, in sets of candidates");
         io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
-        io.knob("neighbours", rules_.neighbours, 1, MAX_NEIGHBOURS, "pixels drawn in one round");
-        io.knob("pool", rules_.pool, 1, MAX_POOL,
-                "pixels that each neighbour is chosen from, by how much its surface is like this pixel's; 1: the one "
-                "that is drawn, as published");
+        neighbourKnobs(io, rules_, "pixels");
         io.choice(
             "shade", shadeMerged_, {{"chosen", false}, {"merged", true}},
             "light of a pixel: of the point that it keeps, as published, or of all points that the last merge chose "
             "from, by their resampling weights, which has the same luminance and less noise of colour");
-        io.knob("radius", rules_.radius, 1, 1000,
-                "radius of the disk from which neighbours are drawn, in pixels of an image of 1080 lines; it scales "
-                "with the image's height, down to least_radius");
-        io.knob("least_radius", rules_.leastRadius, 1, 1000,
-                "least radius of the disk, in pixels of the rendered image");
+        diskKnobs(io, rules_);
         io.choice("mis", pairwise_, {{"pairwise", true}, {"balance", false}},
                   "MIS weights of spatial reuse with n neighbours: pairwise takes 2 n shadow rays, balance n (n + 1)");
         io.knob("feedback", feedback_,
                 "the next frame starts from the reservoirs after spatial reuse; off: from those before");
-        io.knob("normal_threshold", rules_.normalThreshold, -1, 1,
-                "smallest cosine between the shading normals of pixels that are merged");
-        io.knob("depth_threshold", rules_.depthThreshold, 0, 1000,
-                "largest relative difference of their distances from the camera");
+        similarityKnobs(io, rules_);
     }
 
     void build(Device& device) override
     {
-        device_ = &device;
         candidatesKernel_ = Kernel(device, passFile("Candidates.comp"));
         temporalKernel_ = Kernel(device, passFile("Temporal.comp"), {}, {}, compileIf(temporal_ && history_));
         spatialKernel_ = Kernel(device, passFile("Spatial.comp"), {}, {}, compileIf(rounds_ > 0));
@@ -105,24 +86,16 @@ private:
         return parameters;
     }
 
-    /// A buffer of the pass's own of one reservoir per pixel, of this frame's size.
-    Address scratch(const Frame& frame, size_t index)
-    {
-        const uint64_t bytes = sizeof(LightReservoir) * uint64_t(frame.width()) * frame.height();
-        if (!scratch_[index] || scratch_[index].bytes() != bytes)
-            scratch_[index] = device_->createBuffer(bytes, "ReSTIRDI scratch");
-        return scratch_[index].address();
-    }
-
     /// Where a stage leaves its reservoirs, never where it reads them: stage 0 is candidates and temporal reuse, stage
     /// r the r-th spatial round. The stage that the next frame starts from ends in the output.
-    Address stageTarget(const Frame& frame, uint32_t stage)
+    Address stageTarget(Frame& frame, uint32_t stage)
     {
+        const uint64_t bytes = sizeof(LightReservoir) * uint64_t(frame.width()) * frame.height();
         const bool even = (rounds_ - stage) % 2 == 0;
         const bool handedOn = feedback_ ? even : stage == 0;
-        if (handedOn)
-            return reservoirs_ ? reservoirs_->address() : scratch(frame, 0);
-        return scratch(frame, even ? 2 : 1);
+        if (handedOn && reservoirs_)
+            return reservoirs_->address();
+        return frame.scratch(scratch_[handedOn ? 0 : even ? 2 : 1], bytes, "light points between two stages of reuse");
     }
 
     In<Buffer> surface_, motion_, previousSurface_, history_;
@@ -137,7 +110,6 @@ private:
     bool feedback_ = true;
     bool pairwise_ = true;
     bool shadeMerged_ = false;
-    Device* device_ = nullptr;
     Kernel candidatesKernel_, temporalKernel_, spatialKernel_, shadeKernel_;
     std::array<Buffer, 3> scratch_;
 };

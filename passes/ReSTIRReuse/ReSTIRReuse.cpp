@@ -1,4 +1,5 @@
 #include "Shared.h"
+#include "graph/neighbour_knobs.h"
 #include "render/frame.h"
 #include "shaders/restir/path_vertex_types.h"
 
@@ -17,15 +18,7 @@ public:
         io.ofThisFrame();
         io.input("candidates", candidates_, reservoir, "this frame's candidate path, one per pixel");
         io.ofThisFrame();
-        io.optionalInput("motion", motion_, motionVectors(),
-                         "where the point was in the frame before, minus where it is, in pixels");
-        io.ofThisFrame();
-        io.optionalInput("previous_surface", previousSurface_, perPixel<PrimaryHit>("Surface"),
-                         "the surface one frame ago: prev(\"gbuffer.surface\")");
-        io.ofFrameBefore();
-        io.optionalInput("history", history_, reservoir,
-                         "the output reservoirs, one frame ago: prev(\"reuse.reservoirs\")");
-        io.ofFrameBefore();
+        historyInputs(io, motion_, previousSurface_, history_, reservoir, "reuse.reservoirs");
         io.optionalInput("candidate_vertices", candidateVertices_, anyPerPixel("PathVertices"),
                          "the bounces of the candidates; needed by the output vertices");
         io.ofThisFrame();
@@ -33,7 +26,6 @@ public:
                          "the output vertices, one frame ago: prev(\"reuse.vertices\"); needed by the output vertices "
                          "under temporal reuse");
         io.ofFrameBefore();
-        io.together({"motion", "previous_surface", "history"});
         io.output("radiance", radiance_, image(3), "light of the chosen path, or of all merged paths, W/sr/m^2");
         io.output("reservoirs", reservoirs_, reservoir, "the path that each pixel keeps at the end of the frame");
         io.output("vertices", vertices_, asMuchAs("PathVertices", candidateVertices_),
@@ -42,10 +34,7 @@ public:
         io.knob("cap", cap_, 1, 1000,
                 "largest confidence of the history, in multiples of the candidate's own (Lin et al. 2022: 20)");
         io.knob("rounds", rounds_, 0, 8, "rounds of spatial reuse; 0: none");
-        io.knob("neighbours", rules_.neighbours, 1, MAX_NEIGHBOURS, "pixels drawn in one round");
-        io.knob("pool", rules_.pool, 1, MAX_POOL,
-                "pixels (or pairs) that each neighbour is chosen from, by how much its surface is like this pixel's; "
-                "1: the one that is drawn, as published");
+        neighbourKnobs(io, rules_, "pixels (or pairs)");
         io.knob("reciprocal", reciprocal_,
                 "pair pixels, so that each shift serves both: half the shifts of spatial reuse");
         io.structural();
@@ -53,15 +42,8 @@ public:
             "shade", shadeMerged_, {{"chosen", false}, {"merged", true}},
             "light of a pixel: of the path that it keeps, as published, or of all paths that the last merge chose "
             "from, by their resampling weights, which has the same luminance and less noise of colour");
-        io.knob("radius", rules_.radius, 1, 1000,
-                "radius of the disk from which neighbours are drawn, in pixels of an image of 1080 lines; it scales "
-                "with the image's height, down to least_radius");
-        io.knob("least_radius", rules_.leastRadius, 1, 1000,
-                "least radius of the disk, in pixels of the rendered image");
-        io.knob("normal_threshold", rules_.normalThreshold, -1, 1,
-                "smallest cosine between the shading normals of pixels that are merged");
-        io.knob("depth_threshold", rules_.depthThreshold, 0, 1000,
-                "largest relative difference of their distances from the camera");
+        diskKnobs(io, rules_);
+        similarityKnobs(io, rules_);
     }
 
     void check() const override
@@ -76,7 +58,6 @@ public:
 
     void build(Device& device) override
     {
-        device_ = &device;
         temporalKernel_ = Kernel(device, passFile("Temporal.comp"), {}, {}, compileIf(temporal_ && history_));
         pairsKernel_ = Kernel(device, passFile("Pairs.comp"), {}, {}, compileIf(rounds_ > 0 && reciprocal_));
         imagesKernel_ = Kernel(device, passFile("Images.comp"), {}, {}, compileIf(rounds_ > 0 && reciprocal_));
@@ -102,8 +83,8 @@ public:
             setDestination(parameters, frame, --stage);
             if (reciprocal_) {
                 const uint64_t places = uint64_t(frame.width()) * frame.height() * rules_.neighbours;
-                parameters.partners = scratch(partners_, places * sizeof(uint32_t));
-                parameters.images = scratch(images_, places * sizeof(PathImage));
+                parameters.partners = frame.scratch(partners_, places * sizeof(uint32_t), "partners of pixels");
+                parameters.images = frame.scratch(images_, places * sizeof(PathImage), "images of partners' paths");
                 frame.dispatchPixels(pairsKernel_, parameters);
                 frame.dispatchPixels(imagesKernel_, parameters);
             }
@@ -141,28 +122,23 @@ private:
 
     /// Where a stage writes that still has `left` stages after it: the output for the last, else one of two buffers of
     /// our own.
-    void setDestination(ReuseParameters& parameters, const Frame& frame, uint32_t left)
+    void setDestination(ReuseParameters& parameters, Frame& frame, uint32_t left)
     {
+        constexpr const char* SCRATCH = "paths between two stages of reuse";
         const uint64_t pixels = uint64_t(frame.width()) * frame.height();
         const uint32_t own = left == 0 ? 2 : left % 2;
-        parameters.reservoirs =
-            left == 0 && reservoirs_ ? reservoirs_->address() : scratch(scratch_[own], pixels * sizeof(PathReservoir));
+        parameters.reservoirs = left == 0 && reservoirs_
+                                    ? reservoirs_->address()
+                                    : frame.scratch(scratch_[own], pixels * sizeof(PathReservoir), SCRATCH);
         parameters.radiance = left == 0 && shadeMerged_ ? addressOf(radiance_) : 0;
         if (vertices_)
-            parameters.origins = scratch(originScratch_[left % 2], pixels * sizeof(uint32_t));
+            parameters.origins = frame.scratch(originScratch_[left % 2], pixels * sizeof(uint32_t), SCRATCH);
     }
 
     static void takeAsSource(ReuseParameters& parameters)
     {
         parameters.source = parameters.reservoirs;
         parameters.originSource = parameters.origins;
-    }
-
-    Address scratch(Buffer& buffer, uint64_t bytes)
-    {
-        if (buffer.bytes() < bytes)
-            buffer = device_->createBuffer(bytes, "paths between two stages of reuse");
-        return buffer.address();
     }
 
     In<Buffer> surface_, candidates_, motion_, previousSurface_, history_, candidateVertices_, historyVertices_;
@@ -174,7 +150,6 @@ private:
         .neighbours = 3, .pool = 1, .radius = 20, .leastRadius = 3, .normalThreshold = 0.5f, .depthThreshold = 0.1f};
     bool reciprocal_ = false;
     bool shadeMerged_ = false;
-    Device* device_ = nullptr;
     Buffer scratch_[3], originScratch_[2], images_, partners_;
     Kernel temporalKernel_, pairsKernel_, imagesKernel_, spatialKernel_, shadeKernel_, verticesKernel_;
 };
