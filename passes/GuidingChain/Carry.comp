@@ -10,25 +10,14 @@ void main()
 {
     frame = FrameRef(params.frame);
     uint from = gl_GlobalInvocationID.x;
-    if (from >= params.capacity || !same_places(GuidingHeaderRef(params.history).at.grid, GuidingHeaderRef(params.guide).at.grid))
-        return;
-    uint64_t key = GuidingKeyArray(guiding_keys(params.history)).at[from];
-    if (key == 0ul || find_slot(params.guide, params.capacity, key) != INVALID_INDEX)
+    uint64_t key = key_to_carry(params.history, params.guide, params.capacity, from);
+    if (key == 0ul)
         return;
     ChainCell cell = chain_cells(params.history, params.capacity).at[from];
     cell.age += 1u;
     if (cell.age > params.oldest)
         return;
-    GuidingHeaderRef header = GuidingHeaderRef(params.guide);
-    bool taken;
-    uint probes;
-    uint slot = insert_key(params.guide, params.capacity, key, taken, probes);
-    if (slot == INVALID_INDEX) {
-        atomicAdd(header.at.failed, 1u);
-        return;
-    }
-    chain_cells(params.guide, params.capacity).at[slot] = cell;
-    atomicAdd(header.at.cells, 1u);
-    if (has_lobe(cell))
-        atomicAdd(header.at.guiding, 1u);
+    uint slot = insert_carried(params.guide, params.capacity, key, has_lobe(cell));
+    if (slot != INVALID_INDEX)
+        chain_cells(params.guide, params.capacity).at[slot] = cell;
 }

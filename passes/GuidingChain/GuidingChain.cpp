@@ -1,8 +1,7 @@
 #include "Shared.h"
+#include "graph/grid_knobs.h"
 #include "render/frame.h"
 #include "shaders/restir/path_vertex_types.h"
-
-#include <bit>
 
 namespace restirpg {
 
@@ -20,12 +19,8 @@ public:
         io.ofFrameBefore();
         io.output("guide", guide_, layout,
                   "four von Mises-Fisher lobes per cell, from which the next frame's paths are sampled");
-        io.knob("cells", cells_, 1u << 10, 1u << 21, "slots of the hash table, rounded up to a power of two");
-        io.structural();
-        io.knob("cell_size", cellSize_, 1e-3f, 1,
-                "largest side of a cell as seen in the image, as a share of the image's height");
-        io.knob("smallest_cell", smallestCell_, 1e-5f, 1, "smallest side of a cell, as a share of the scene's radius");
-        io.structural();
+        cellsKnob(io, cells_);
+        cellSizeKnobs(io, cellSize_, smallestCell_);
         io.knob("product", product_, "follow the incident radiance times BSDF and cosine; off: the radiance alone");
         io.structural();
         io.knob(
@@ -78,7 +73,7 @@ public:
                                                 memory_,
                                                 prior_,
                                                 largestKappa_};
-        frame.fill(*guide_.resource, 0, GUIDING_HEADER_BYTES + uint64_t(GUIDING_KEY_BYTES) * capacity());
+        frame.fill(*guide_.resource, 0, gridBytes(capacity()));
         frame.fill(proposals_);
         frame.dispatch(proposeKernel_, parameters, frame.width(), frame.height(), stride);
         frame.dispatch(advanceKernel_, parameters, capacity());
@@ -87,12 +82,9 @@ public:
     }
 
 private:
-    uint32_t capacity() const { return std::bit_ceil(cells_); }
+    uint32_t capacity() const { return gridCapacity(cells_); }
 
-    uint64_t bytes() const
-    {
-        return GUIDING_HEADER_BYTES + (GUIDING_KEY_BYTES + sizeof(ChainCell)) * uint64_t(capacity());
-    }
+    uint64_t bytes() const { return gridBytes(capacity(), sizeof(ChainCell)); }
 
     In<Buffer> samples_, history_;
     Out<Buffer> guide_;

@@ -1,7 +1,6 @@
 #include "Shared.h"
+#include "graph/grid_knobs.h"
 #include "render/frame.h"
-
-#include <bit>
 
 namespace restirpg {
 
@@ -12,7 +11,7 @@ public:
         const PortType layout = guide("GridGuide", fixedSize("", [this] { return bytes(); }), passFile("guide.glsl"));
         io.input("statistics", statistics_,
                  // Of GuidingSplat with the same knobs.
-                 fixedSize("GuidingStatistics", [this] { return guidingStatisticsBytes(capacity(), parallax_); }),
+                 fixedSize("GuidingStatistics", [this] { return gridStatisticsBytes(capacity(), parallax_); }),
                  "GuidingSplat's sums of this frame");
         io.ofThisFrame();
         io.input("history", history_, layout, "the output guide, one frame ago: prev(\"fit.guide\")");
@@ -20,9 +19,7 @@ public:
         io.output(
             "guide", guide_, layout,
             "a mixture of up to four von Mises-Fisher lobes per cell, from which the next frame's paths are sampled");
-        io.knob("cells", cells_, 1u << 10, 1u << 21,
-                "slots of the hash table, rounded up to a power of two; GuidingSplat's must be the same");
-        io.structural();
+        cellsKnob(io, cells_, "; GuidingSplat's must be the same");
         io.knob("minimum", minimum_, 1, 1e6f, "a cell with fewer samples than this is not fitted");
         io.knob("keep_samples", keepSamples_,
                 "a cell with fewer than `minimum` samples keeps them for the next frame; off: it drops them and keeps "
@@ -87,14 +84,14 @@ public:
                                               weightPrior_,
                                               concentrationPrior_,
                                               largestKappa_};
-        frame.fill(*guide_.resource, 0, GUIDING_HEADER_BYTES + uint64_t(GUIDING_KEY_BYTES) * capacity());
+        frame.fill(*guide_.resource, 0, gridBytes(capacity()));
         frame.dispatch(fitKernel_, parameters, capacity());
         if (parameters.history != 0)
             frame.dispatch(carryKernel_, parameters, capacity());
     }
 
 private:
-    uint32_t capacity() const { return std::bit_ceil(cells_); }
+    uint32_t capacity() const { return gridCapacity(cells_); }
 
     uint32_t options() const
     {
@@ -106,8 +103,7 @@ private:
 
     uint64_t bytes() const
     {
-        const uint64_t slot = GUIDING_KEY_BYTES + GUIDING_CELL_BYTES + (remembers() ? GUIDING_MEMORY_BYTES : 0);
-        return GUIDING_HEADER_BYTES + slot * capacity();
+        return gridBytes(capacity(), GUIDING_CELL_BYTES + (remembers() ? GUIDING_MEMORY_BYTES : 0));
     }
 
     In<Buffer> statistics_, history_;

@@ -1,8 +1,7 @@
 #include "Shared.h"
+#include "graph/grid_knobs.h"
 #include "render/frame.h"
 #include "shaders/restir/path_vertex_types.h"
-
-#include <bit>
 
 namespace restirpg {
 
@@ -18,14 +17,10 @@ public:
         io.optionalInput("guide", guide_, fixedSize("GridGuide", {}),
                          "the guide that drew the paths, one frame ago: prev(\"fit.guide\")");
         io.output("statistics", statistics_,
-                  fixedSize("GuidingStatistics", [this] { return guidingStatisticsBytes(capacity(), parallax_); }),
+                  fixedSize("GuidingStatistics", [this] { return gridStatisticsBytes(capacity(), parallax_); }),
                   "sufficient statistics of this frame, per cell");
-        io.knob("cells", cells_, 1u << 10, 1u << 21, "slots of the hash table, rounded up to a power of two");
-        io.structural();
-        io.knob("cell_size", cellSize_, 1e-3f, 1,
-                "largest side of a cell as seen in the image, as a share of the image's height");
-        io.knob("smallest_cell", smallestCell_, 1e-5f, 1, "smallest side of a cell, as a share of the scene's radius");
-        io.structural();
+        cellsKnob(io, cells_);
+        cellSizeKnobs(io, cellSize_, smallestCell_);
         io.knob("rows", rows_, 1, 1u << 16,
                 "largest number of pixel rows that are added per frame; of an image with more rows every n-th row is "
                 "added, shifted by one row from frame to frame");
@@ -75,7 +70,7 @@ public:
     }
 
 private:
-    uint32_t capacity() const { return std::bit_ceil(cells_); }
+    uint32_t capacity() const { return gridCapacity(cells_); }
 
     In<Buffer> vertices_, samples_, guide_;
     Out<Buffer> statistics_;

@@ -198,4 +198,31 @@ uint insert_sample(Address table, uint capacity, uint64_t key)
     return slot;
 }
 
+/// The key in slot `from` of the guide of the frame before, if its cell is to be carried into this frame's: it means the same place now,
+/// and no path has met the cell. Else 0.
+uint64_t key_to_carry(Address history, Address guide, uint capacity, uint from)
+{
+    if (from >= capacity || !same_places(GuidingHeaderRef(history).at.grid, GuidingHeaderRef(guide).at.grid))
+        return 0ul;
+    uint64_t key = GuidingKeyArray(guiding_keys(history)).at[from];
+    return key != 0ul && find_slot(guide, capacity, key) == INVALID_INDEX ? key : 0ul;
+}
+
+/// A slot for a cell that is carried on, with the counts of the guide's header; INVALID_INDEX: there was none.
+uint insert_carried(Address guide, uint capacity, uint64_t key, bool guides)
+{
+    GuidingHeaderRef header = GuidingHeaderRef(guide);
+    bool taken;
+    uint probes;
+    uint slot = insert_key(guide, capacity, key, taken, probes);
+    if (slot == INVALID_INDEX) {
+        atomicAdd(header.at.failed, 1u);
+        return slot;
+    }
+    atomicAdd(header.at.cells, 1u);
+    if (guides)
+        atomicAdd(header.at.guiding, 1u);
+    return slot;
+}
+
 #endif

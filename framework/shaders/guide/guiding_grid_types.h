@@ -98,13 +98,6 @@ RESTIRPG_CONST GUIDING_CELL_BYTES = 56u;
 RESTIRPG_CONST GUIDING_MEMORY_BYTES = 88u;
 
 #ifdef __cplusplus
-/// Of a buffer of statistics, with or without GuidingDistanceSums.
-inline uint64_t guidingStatisticsBytes(uint32_t capacity, bool parallax)
-{
-    const uint64_t slot = GUIDING_KEY_BYTES + GUIDING_SUMS_BYTES + (parallax ? GUIDING_DISTANCE_SUMS_BYTES : 0);
-    return GUIDING_HEADER_BYTES + slot * capacity;
-}
-
 static_assert(GUIDING_LEVEL_SHIFT == 3 * GUIDING_INDEX_BITS && GUIDING_FACE_SHIFT == GUIDING_LEVEL_SHIFT + 5 &&
               GUIDING_MATERIAL_SHIFT == GUIDING_FACE_SHIFT + 3);
 static_assert(sizeof(GuidingHeader) <= GUIDING_HEADER_BYTES && sizeof(GuidingSums) == GUIDING_SUMS_BYTES &&
