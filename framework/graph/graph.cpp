@@ -22,24 +22,6 @@ std::string guess(const std::string& asked, const std::vector<std::string>& name
     return text.empty() ? text : "; " + text;
 }
 
-/// Run `set`; a refusal gets the pass's name in front.
-template <typename Set>
-void setLocated(const GraphPass& pass, Set set)
-{
-    try {
-        set();
-    } catch (const WrongValue& error) {
-        failAs<WrongValue>("{}: {}", label(pass), error.what());
-    } catch (const Error& error) {
-        fail("{}: {}", label(pass), error.what());
-    }
-}
-
-std::string textOf(const Knob& knob)
-{
-    return knob.get().dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
 /// The knobs of one name and different values of two passes: "'cells' (1024 and 2048)".
 std::string differingKnobs(const GraphPass& a, const GraphPass& b)
 {
@@ -47,7 +29,8 @@ std::string differingKnobs(const GraphPass& a, const GraphPass& b)
     for (const auto& knob : a.interface.knobs())
         for (const auto& other : b.interface.knobs())
             if (knob.name == other.name && knob.get() != other.get())
-                texts.push_back(fmt::format("'{}' ({} and {})", knob.name, textOf(knob), textOf(other)));
+                texts.push_back(
+                    fmt::format("'{}' ({} and {})", knob.name, jsonText(knob.get()), jsonText(other.get())));
     return fmt::format("{}", fmt::join(texts, ", "));
 }
 
@@ -199,12 +182,17 @@ GraphPass* Graph::find(const std::string& name)
     return found == passes_.end() ? nullptr : &*found;
 }
 
-Knob& Graph::knob(const std::string& path)
+std::pair<std::string, std::string> splitPath(const std::string& path)
 {
     const auto dot = path.find('.');
-    if (dot == std::string::npos)
+    return {path.substr(0, dot), dot == std::string::npos ? "" : path.substr(dot + 1)};
+}
+
+std::pair<GraphPass&, Knob&> Graph::knobOf(const std::string& path)
+{
+    const auto [passName, knobName] = splitPath(path);
+    if (knobName.empty())
         failAs<WrongValue>("'{}' names no knob; write PASS.KNOB, as in {}.KNOB", path, passes_.front().name);
-    const std::string passName = path.substr(0, dot), knobName = path.substr(dot + 1);
     auto* pass = find(passName);
     if (!pass) {
         const auto names = namesOf(passes_);
@@ -217,39 +205,43 @@ Knob& Graph::knob(const std::string& path)
         failAs<WrongValue>("{} has no knob '{}'; knobs: {}{}", label(*pass), knobName,
                            names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), guess(knobName, names));
     }
-    return *found;
+    return {*pass, *found};
+}
+
+Knob& Graph::knob(const std::string& path)
+{
+    return knobOf(path).second;
 }
 
 void Graph::setKnobFromText(const std::string& path, const std::string& text)
 {
-    auto& turned = knob(path);
-    setLocated(*find(path.substr(0, path.find('.'))), [&] { turned.setFromText(text); });
+    const auto place = knobOf(path);
+    runPlugin(label(place.first) + ": ", [&] { place.second.setFromText(text); });
 }
 
 void Graph::setKnob(const std::string& path, const nlohmann::json& value)
 {
-    auto& turned = knob(path);
-    setLocated(*find(path.substr(0, path.find('.'))), [&] { turned.set(value); });
+    const auto place = knobOf(path);
+    runPlugin(label(place.first) + ": ", [&] { place.second.set(value); });
+}
+
+std::vector<Knob*> Graph::knobsFor(const std::string& knob, const nlohmann::json& value)
+{
+    std::vector<Knob*> knobs;
+    for (auto& pass : passes_)
+        if (auto* found = findKnob(pass, knob)) {
+            runPlugin(label(pass) + ": ", [&] { found->check(value); });
+            knobs.push_back(found);
+        }
+    return knobs;
 }
 
 uint32_t Graph::setKnobEverywhere(const std::string& knob, const nlohmann::json& value)
 {
-    std::vector<std::pair<Knob*, nlohmann::json>> before;
-    for (auto& pass : passes_) {
-        auto* turned = findKnob(pass, knob);
-        if (!turned)
-            continue;
-        const auto kept = turned->get();
-        try {
-            setLocated(pass, [&] { turned->set(value); });
-        } catch (const Error&) {
-            for (const auto& [other, old] : before)
-                other->set(old);
-            throw;
-        }
-        before.emplace_back(turned, kept);
-    }
-    return uint32_t(before.size());
+    const auto knobs = knobsFor(knob, value);
+    for (auto* turned : knobs)
+        turned->set(value);
+    return uint32_t(knobs.size());
 }
 
 std::vector<std::filesystem::path> Graph::namedFiles() const

@@ -39,6 +39,14 @@ std::string label(const GraphPass& pass);
 /// The same after its place: "graphs/restir_pg.py:11: pass 'paths' (PathTracerGuided)".
 std::string placeOf(const GraphPass& pass);
 
+/// "pass.port" or "pass.knob"
+inline std::string pathOf(const GraphPass& pass, const std::string& name)
+{
+    return pass.name + "." + name;
+}
+/// Its two names; the second is empty where there is no dot.
+std::pair<std::string, std::string> splitPath(const std::string& path);
+
 /// A named output of the graph.
 struct GraphOutput {
     std::string name;
@@ -90,10 +98,14 @@ public:
 
     /// The knob "pass.knob". Throws Error in one line, naming what there is and the nearest name.
     Knob& knob(const std::string& path);
+    /// The same with its pass.
+    std::pair<GraphPass&, Knob&> knobOf(const std::string& path);
     /// Set "pass.knob" from text, as `--set` has it; throws as knob(), and when the value does not suit.
     void setKnobFromText(const std::string& path, const std::string& text);
     /// Set "pass.knob" from a value; throws as knob(), and when the value does not suit.
     void setKnob(const std::string& path, const nlohmann::json& value);
+    /// `knob` of every pass that has it. Throws Error when the value does not suit one of them.
+    std::vector<Knob*> knobsFor(const std::string& knob, const nlohmann::json& value);
     /// Set `knob` on every pass that has it; the number of passes that do. Throws Error, having set none, when the
     /// value does not suit.
     uint32_t setKnobEverywhere(const std::string& knob, const nlohmann::json& value);

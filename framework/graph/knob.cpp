@@ -36,22 +36,18 @@ std::string accepted(const Knob& knob)
 [[noreturn]] void refuse(const Knob& knob, const nlohmann::json& value)
 {
     const std::string guess = value.is_string() ? didYouMean(value.get<std::string>(), knob.choices) : "";
-    const std::string given = value.is_structured()
-                                  ? std::string("an ") + value.type_name()
-                                  : value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    const std::string given = value.is_structured() ? std::string("an ") + value.type_name() : jsonText(value);
     failAs<WrongValue>("knob '{}' must be {}, not {}{}{}", knob.name, accepted(knob), given, guess.empty() ? "" : "; ",
                        guess);
 }
 
-/// The number in `value`, checked against the knob's range.
-double checkedNumber(const Knob& knob, const nlohmann::json& value, bool whole)
+/// Is it a number within the knob's range?
+bool isInRange(const Knob& knob, const nlohmann::json& value, bool whole)
 {
     if (whole ? !value.is_number_integer() : !value.is_number())
-        refuse(knob, value);
+        return false;
     const double number = value.get<double>();
-    if (!(number >= knob.minimum && number <= knob.maximum))
-        refuse(knob, value);
-    return number;
+    return number >= knob.minimum && number <= knob.maximum;
 }
 
 /// All of `text` as a number, or text again when it is none: Knob::set then says what is wrong with it.
@@ -78,6 +74,11 @@ nlohmann::json booleanFrom(std::string text)
 }
 
 }  // namespace
+
+std::string jsonText(const nlohmann::json& value)
+{
+    return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
 
 double shortest(float value)
 {
@@ -106,27 +107,26 @@ nlohmann::json Knob::get() const
         target);
 }
 
+void Knob::check(const nlohmann::json& value) const
+{
+    const bool suits = std::visit(
+        Overloaded{[&](bool*) { return value.is_boolean(); }, [&](float*) { return isInRange(*this, value, false); },
+                   [&](std::string*) { return value.is_string(); },
+                   [&](const Selection&) { return std::find(choices.begin(), choices.end(), value) != choices.end(); },
+                   [&](auto*) { return isInRange(*this, value, true); }},
+        target);
+    if (!suits)
+        refuse(*this, value);
+}
+
 void Knob::set(const nlohmann::json& value)
 {
-    std::visit(Overloaded{[&](bool* variable) {
-                              if (!value.is_boolean())
-                                  refuse(*this, value);
-                              *variable = value.get<bool>();
-                          },
-                          [&](int32_t* variable) { *variable = int32_t(checkedNumber(*this, value, true)); },
-                          [&](uint32_t* variable) { *variable = uint32_t(checkedNumber(*this, value, true)); },
-                          [&](float* variable) { *variable = float(checkedNumber(*this, value, false)); },
-                          [&](std::string* variable) {
-                              if (!value.is_string())
-                                  refuse(*this, value);
-                              *variable = value.get<std::string>();
-                          },
-                          [&](Selection& selection) {
+    check(value);
+    std::visit(Overloaded{[&](Selection& selection) {
                               const auto found = std::find(choices.begin(), choices.end(), value);
-                              if (found == choices.end())
-                                  refuse(*this, value);
                               selection.set(size_t(found - choices.begin()));
-                          }},
+                          },
+                          [&](auto* variable) { value.get_to(*variable); }},
                target);
 }
 

@@ -31,11 +31,16 @@ struct Knob {
     /// "bool", "int", "uint", "float", "choice" or "string".
     std::string typeName() const;
     nlohmann::json get() const;
-    /// Throws Error (without a place) when the type, the range or the choice is wrong; the value is unchanged then.
+    /// Throws WrongValue (without a place) when the type, the range or the choice is wrong.
+    void check(const nlohmann::json& value) const;
+    /// As check; the value is unchanged then.
     void set(const nlohmann::json& value);
     /// As set, from the text of `--set pass.knob=value`.
     void setFromText(const std::string& text);
 };
+
+/// JSON text in one line, also of texts that are no UTF-8.
+std::string jsonText(const nlohmann::json& value);
 
 /// The double that prints as the float does: 0.1f becomes 0.1, not 0.10000000149.
 double shortest(float value);

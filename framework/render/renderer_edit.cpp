@@ -38,22 +38,19 @@ nlohmann::json Renderer::knob(const std::string& path) const
 
 void Renderer::setKnob(const std::string& path, const nlohmann::json& value)
 {
-    const std::string name = executor_->graph().knob(path).name;
-    executor_->setKnob(*executor_->graph().find(path.substr(0, path.find('.'))), name, value);
+    const auto place = executor_->graph().knobOf(path);
+    executor_->setKnob(place.first, place.second.name, value);
     turned_[path] = value;
 }
 
 uint32_t Renderer::setKnobEverywhere(const std::string& name, const nlohmann::json& value)
 {
     auto& graph = executor_->graph();
+    graph.knobsFor(name, value);  // a value that one of them refuses is refused before a structural one cuts
     std::vector<std::pair<std::string, nlohmann::json>> before;
     for (auto& pass : graph.passes())
         if (const Knob* knob = findKnob(pass, name))
-            before.emplace_back(pass.name + "." + name, knob->get());
-    // On trial, so that a value that one of them refuses is refused before a structural one cuts.
-    graph.setKnobEverywhere(name, value);
-    for (const auto& [path, old] : before)
-        graph.setKnob(path, old);
+            before.emplace_back(pathOf(pass, name), knob->get());
     const auto turned = turned_;
     for (size_t i = 0; i < before.size(); ++i) {
         try {
@@ -106,9 +103,9 @@ void Renderer::edit(const std::map<std::string, std::vector<double>>& values)
 void Renderer::reload(std::unique_ptr<Graph> graph)
 {
     for (const auto& [path, value] : turned_) {
-        const auto dot = path.find('.');
-        auto* pass = graph->find(path.substr(0, dot));
-        if (pass && findKnob(*pass, path.substr(dot + 1)))
+        const auto [passName, knobName] = splitPath(path);
+        auto* pass = graph->find(passName);
+        if (pass && findKnob(*pass, knobName))
             graph->setKnob(path, value);
     }
     executor_ =
