@@ -19,7 +19,7 @@ struct GraphOptions {
 
 std::string outputName(const Graph& graph, uint32_t pass, uint32_t output)
 {
-    return graph.passes()[pass].name + "." + graph.passes()[pass].interface.outputs()[output].name;
+    return pathOf(graph.passes()[pass], graph.passes()[pass].interface.outputs()[output].name);
 }
 
 void printOrder(const Graph& graph)
@@ -41,7 +41,7 @@ void printEdges(const Graph& graph)
     for (const auto& edge : graph.edges()) {
         const auto& target = graph.passes()[edge.target];
         const auto& input = target.interface.inputs()[edge.input];
-        table.add({outputName(graph, edge.source, edge.output), target.name + "." + input.name, input.type.name,
+        table.add({outputName(graph, edge.source, edge.output), pathOf(target, input.name), input.type.name,
                    edge.delayed ? "one frame later" : ""});
     }
     fmt::print("\nedges\n{}", table.text());

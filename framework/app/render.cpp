@@ -147,7 +147,7 @@ Image readReference(const RenderOptions& options)
         return {};
     Image reference = readExr(options.reference);
     const auto& renderer = options.renderer;
-    const Window seen = renderer.window.value_or(Window{0, 0, renderer.width, renderer.height});
+    const Window seen = renderer.rendered();
     if (reference.width != seen.width || reference.height != seen.height)
         fail("{}: the reference has {}x{} pixels; {} of that size", options.reference, reference.width,
              reference.height,
@@ -169,7 +169,7 @@ std::string attribute(const Header& header, const std::string& name, const std::
 void checkReferencePixels(const RenderOptions& options, const Header& header)
 {
     const auto& asked = options.renderer;
-    const Window seen = asked.window.value_or(Window{0, 0, asked.width, asked.height});
+    const Window seen = asked.rendered();
     const std::string size = fmt::format("{}x{}", asked.width, asked.height);
     const std::string window = fmt::format("{},{},{},{}", seen.x, seen.y, seen.width, seen.height);
     const std::string ownSize = attribute(header, "size", size), ownWindow = attribute(header, "window", window);
@@ -332,8 +332,7 @@ void render(RenderOptions& options)
     warnOfView(options, renderer);
     const Interruption interruption;
     const auto& device = renderer.device().description();
-    fmt::print("{}, {}, {} back end\n", device.name, device.driver,
-               renderer.device().backend() == Backend::rayQuery ? "rayquery" : "software");
+    fmt::print("{}, {}, {} back end\n", device.name, device.driver, nameOf(renderer.device().backend()));
     std::fflush(stdout);
     const double seconds = renderFrames(renderer, options, shown, interruption);
     if (interruption.signal() != 0)

@@ -1,5 +1,6 @@
 #include "core/cache_file.h"
 
+#include "core/hash.h"
 #include "core/log.h"
 #include "core/output_file.h"
 
@@ -19,28 +20,12 @@ struct Header {
 Header headerOf(std::span<const std::byte> contents)
 {
     Header header;
-    Hash hash;
-    hash.add(contents.data(), contents.size());
     header.bytes = contents.size();
-    header.checksum = hash.value();
+    header.checksum = hashBytes(contents.data(), contents.size());
     return header;
 }
 
 }  // namespace
-
-void Hash::add(const void* data, size_t bytes)
-{
-    const auto* next = static_cast<const unsigned char*>(data);
-    for (size_t i = 0; i < bytes; ++i)
-        value_ = (value_ ^ next[i]) * 0x100000001b3ull;
-}
-
-void Hash::add(std::string_view text)
-{
-    const uint64_t length = text.size();
-    add(&length, sizeof length);
-    add(text.data(), text.size());
-}
 
 std::optional<std::vector<std::byte>> readCacheFile(const std::filesystem::path& file)
 {

@@ -2,25 +2,13 @@
 // left is made anew.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 namespace restirpg {
-
-/// FNV-1a, 64 bits, of all that was added. Texts are told apart from their concatenation.
-class Hash {
-public:
-    void add(const void* data, size_t bytes);
-    void add(std::string_view text);
-    uint64_t value() const { return value_; }
-
-private:
-    uint64_t value_ = 0xcbf29ce484222325ull;
-};
 
 /// What writeCacheFile wrote; nothing when the file is missing or damaged.
 std::optional<std::vector<std::byte>> readCacheFile(const std::filesystem::path& file);

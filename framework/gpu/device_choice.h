@@ -13,6 +13,12 @@ enum class Backend {
     rayQuery,  ///< GL_EXT_ray_query
 };
 
+/// As users write it.
+inline const char* nameOf(Backend backend)
+{
+    return backend == Backend::rayQuery ? "rayquery" : "software";
+}
+
 struct DeviceOptions {
     /// Index or part of the name, as `restirpg devices` lists them; empty: discrete, else integrated, else CPU
     std::string device;
@@ -29,6 +35,8 @@ struct DeviceDescription {
     bool rayQuery = false;
     bool shaderObject = false;  ///< VK_EXT_shader_object
     std::vector<std::string> missing;  ///< required features it lacks; empty: usable
+
+    bool isCpu() const { return type == "CPU"; }
 };
 
 /// The one that DeviceOptions::device names: digits alone are an index. Throws WrongValue when there is none.

@@ -39,7 +39,7 @@ public:
 
     const DeviceDescription& description() const { return description_; }
     Backend backend() const { return backend_; }
-    bool isCpu() const { return description_.type == "CPU"; }
+    bool isCpu() const { return description_.isCpu(); }
 
     VkDevice handle() const { return device_; }
     VkPhysicalDevice physical() const { return physical_; }

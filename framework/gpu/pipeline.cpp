@@ -1,6 +1,7 @@
 #include "gpu/pipeline.h"
 
 #include "core/cache_file.h"
+#include "core/hash.h"
 #include "core/paths.h"
 #include "gpu/device.h"
 

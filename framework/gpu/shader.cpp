@@ -2,6 +2,7 @@
 
 #include "core/cache_file.h"
 #include "core/error.h"
+#include "core/hash.h"
 #include "core/log.h"
 #include "core/paths.h"
 

@@ -1,6 +1,7 @@
 #include "graph/description.h"
 
 #include "core/error.h"
+#include "graph/knob.h"
 
 #include <fmt/format.h>
 
@@ -53,7 +54,7 @@ public:
         const auto name = found->get<std::string>();
         if (!isIdentifier(name)) {
             wrong(where, fmt::format("{} has \"{}\": {}, which must be letters, digits and underscores", what, member,
-                                     found->dump(-1, ' ', false, json::error_handler_t::replace)));
+                                     jsonText(*found)));
             return std::nullopt;
         }
         return name;

@@ -94,7 +94,7 @@ void Graph::addOutput(const std::string& name)
     std::vector<std::string> others;  // of passes that run
     for (uint32_t p = 0; p < passes_.size(); ++p)
         for (uint32_t o = 0; o < passes_[p].interface.outputs().size(); ++o) {
-            const std::string port = passes_[p].interface.outputs()[o].name, path = passes_[p].name + "." + port;
+            const std::string port = passes_[p].interface.outputs()[o].name, path = pathOf(passes_[p], port);
             if (path == name || (port == name && passes_[p].live))
                 found.push_back({port, p, o});
             if (passes_[p].live && passes_[p].interface.outputs()[o].type.channels > 0)
@@ -106,7 +106,7 @@ void Graph::addOutput(const std::string& name)
     if (found.size() > 1) {
         std::vector<std::string> paths;
         for (const auto& output : found)
-            paths.push_back(passes_[output.pass].name + "." + output.name);
+            paths.push_back(pathOf(passes_[output.pass], output.name));
         failAs<WrongValue>("graph '{}' has several ports '{}'; name one of: {}", name_, name, fmt::join(paths, ", "));
     }
     GraphOutput added = found.front();

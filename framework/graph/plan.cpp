@@ -38,8 +38,7 @@ void reportCycle(const std::vector<GraphPass>& passes, const std::vector<Edge>& 
         names.push_back(passes[source].name);
         for (const auto& edge : edges)
             if (!edge.delayed && edge.source == source && edge.target == target)
-                inputs.push_back(
-                    fmt::format("{}.{}", passes[target].name, passes[target].interface.inputs()[edge.input].name));
+                inputs.push_back(pathOf(passes[target], passes[target].interface.inputs()[edge.input].name));
     }
     names.push_back(names.front());
     mistakes.add(passes[cycle.front()].location, fmt::format("cycle without a delay: {}", fmt::join(names, " -> ")),

@@ -201,7 +201,7 @@ private:
         for (const auto& pass : wiring_.passes)
             for (const auto& output : pass.interface.outputs())
                 if (type.takes(output.type))
-                    fitting.push_back(pass.name + "." + output.name);
+                    fitting.push_back(pathOf(pass, output.name));
         return fmt::format("outputs of type {}: {}", type.name,
                            fitting.empty() ? "none" : fmt::format("{}", fmt::join(fitting, ", ")));
     }

@@ -247,7 +247,7 @@ py::dict deviceInfo(SharedRenderer& shared)
     result["name"] = device.name;
     result["driver"] = device.driver;
     result["type"] = device.type;
-    result["backend"] = backend == Backend::rayQuery ? "rayquery" : "software";
+    result["backend"] = nameOf(backend);
     return result;
 }
 

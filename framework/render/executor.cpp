@@ -61,7 +61,7 @@ Executor::Copies Executor::allocate(const PlannedResource& plan, const GraphPass
     checkFits(placeOf(pass), plan.copies() * bytes);
     Copies copies;
     for (uint32_t copy = 0; copy < plan.copies(); ++copy)
-        copies[copy] = device_.createBuffer(bytes, pass.name + "." + pass.interface.outputs()[plan.output].name);
+        copies[copy] = device_.createBuffer(bytes, pathOf(pass, pass.interface.outputs()[plan.output].name));
     return copies;
 }
 
@@ -234,7 +234,7 @@ std::map<std::string, uint64_t> Executor::memory() const
     std::map<std::string, uint64_t> bytes;
     for (const auto& resource : resources_) {
         const auto& pass = graph_->passes()[resource.plan.pass];
-        bytes[pass.name + "." + pass.interface.outputs()[resource.plan.output].name] =
+        bytes[pathOf(pass, pass.interface.outputs()[resource.plan.output].name)] =
             resource.copies[0].bytes() + resource.copies[1].bytes();
     }
     return bytes;

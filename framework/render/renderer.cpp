@@ -35,12 +35,6 @@ glm::mat4 lookMatrix(const CameraPose& pose, const glm::dvec3& origin)
                      glm::vec4(pose.position - origin, 1));
 }
 
-/// A file's name in it may be no UTF-8.
-std::string textOf(const nlohmann::json& json)
-{
-    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
 void checkTime(float seconds)
 {
     if (!std::isfinite(seconds) || seconds < 0)
@@ -187,7 +181,7 @@ std::vector<uint8_t> Renderer::readPort(const std::string& path)
     for (uint32_t p = 0; p < passes.size(); ++p) {
         const auto& ports = passes[p].interface.outputs();
         for (uint32_t o = 0; o < ports.size(); ++o) {
-            if (passes[p].name + "." + ports[o].name != path)
+            if (pathOf(passes[p], ports[o].name) != path)
                 continue;
             const Buffer* buffer = executor_->latest(p, o);
             if (!buffer)
@@ -201,7 +195,7 @@ std::vector<uint8_t> Renderer::readPort(const std::string& path)
     std::vector<std::string> names;
     for (const auto& pass : passes)
         for (const auto& port : pass.interface.outputs())
-            names.push_back(pass.name + "." + port.name);
+            names.push_back(pathOf(pass, port.name));
     const auto guess = didYouMean(path, names);
     failAs<WrongValue>("graph '{}' has no port '{}'; ports: {}{}{}", graph().name(), path, fmt::join(names, ", "),
                        guess.empty() ? "" : "; ", guess);
@@ -280,7 +274,7 @@ void Renderer::setTime(float seconds)
 
 Window Renderer::window() const
 {
-    return options_.window.value_or(Window{0, 0, options_.width, options_.height});
+    return options_.rendered();
 }
 
 void Renderer::moveWindow(uint32_t x, uint32_t y)
@@ -319,8 +313,8 @@ std::map<std::string, std::string> Renderer::provenance() const
 {
     const auto& device = device_->description();
     std::map<std::string, std::string> attributes = {
-        {"restirpg.graph", textOf(graph().description())},
-        {"restirpg.knobs", textOf(knobs())},
+        {"restirpg.graph", jsonText(graph().description())},
+        {"restirpg.knobs", jsonText(knobs())},
         {"restirpg.seed", std::to_string(options_.seed)},
         {"restirpg.frames", std::to_string(frame())},
         {"restirpg.size", fmt::format("{}x{}", options_.width, options_.height)},
@@ -329,7 +323,7 @@ std::map<std::string, std::string> Renderer::provenance() const
         {"restirpg.sceneHash", scene_->hash},
         {"restirpg.device", device.name},
         {"restirpg.driver", device.driver},
-        {"restirpg.backend", device_->backend() == Backend::rayQuery ? "rayquery" : "software"},
+        {"restirpg.backend", nameOf(device_->backend())},
         {"restirpg.energyCompensation", options_.energyCompensation ? "true" : "false"},
         {"restirpg.commit", COMMIT}};
     if (cameraOverride_) {
@@ -338,9 +332,9 @@ std::map<std::string, std::string> Renderer::provenance() const
                                                   target.x, target.y, target.z, up.x, up.y, up.z, yfov);
     }
     if (!edits_.empty())
-        attributes["restirpg.sceneEdits"] = textOf(edits_);
+        attributes["restirpg.sceneEdits"] = jsonText(edits_);
     if (const auto moved = matricesOf(*scene_, overrides_); !moved.empty())
-        attributes["restirpg.movedNodes"] = textOf(moved);
+        attributes["restirpg.movedNodes"] = jsonText(moved);
     addView(attributes);
     return attributes;
 }

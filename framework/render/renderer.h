@@ -26,7 +26,7 @@ struct Window {
 struct RendererOptions {
     uint32_t width = 640;
     uint32_t height = 360;
-    std::optional<Window> window;  ///< what of the picture is rendered; all of it
+    std::optional<Window> window;  ///< of the picture, when not all of it is rendered
     uint32_t seed = 0;
     float time = 0;  ///< s, of the first frame
     float framesPerSecond = 0;  ///< 0: the scene stands still
@@ -34,6 +34,9 @@ struct RendererOptions {
     DeviceOptions device;
     /// Called while the graph's kernels are compiled: seconds each, when they are not in the cache
     CompileProgress compiling;
+
+    /// What of the picture is rendered.
+    Window rendered() const { return window.value_or(Window{0, 0, width, height}); }
 };
 
 /// Where the camera stands, for users. `target` is a point looked at. World coordinates are in double, since those of a

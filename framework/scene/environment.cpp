@@ -67,7 +67,7 @@ void replaceEnvironment(Scene& scene, const std::string& source)
         return;
     const auto bytes = gltf::readBytes(source);
     scene.givenEnvironment = {scene.environment->texture->name,
-                              fmt::format("{:016x}", gltf::hashBytes(bytes.data(), bytes.size()))};
+                              fmt::format("{:016x}", hashBytes(bytes.data(), bytes.size()))};
     scene.files.emplace_back(source);
 }
 

@@ -242,14 +242,6 @@ bool keepEncoded(tinygltf::Image* image, int, std::string*, std::string*, int, i
 
 }  // namespace
 
-uint64_t hashBytes(const void* bytes, size_t size, uint64_t hash)
-{
-    const auto* byte = static_cast<const uint8_t*>(bytes);
-    for (size_t i = 0; i < size; ++i)
-        hash = (hash ^ byte[i]) * 0x100000001b3u;
-    return hash;
-}
-
 std::string label(std::string_view kind, size_t index, const std::string& name)
 {
     return name.empty() ? fmt::format("{} {}", kind, index)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/error.h"
+#include "core/hash.h"
 #include "core/log.h"
 #include "scene/scene.h"
 
@@ -66,9 +67,6 @@ void unifyNumbers(nlohmann::json& root);
 /// lengths, index ranges, buffer view ranges. tinygltf ignores optional members of the wrong type and trusts indices;
 /// after this check neither matters. Throws Error naming the JSON path.
 void checkStructure(const std::string& file, const nlohmann::json& root);
-
-/// FNV-1a, 64 bit (Fowler, Noll, Vo), continued from `hash`.
-uint64_t hashBytes(const void* bytes, size_t size, uint64_t hash = 0xcbf29ce484222325u);
 
 /// "mesh 3 'Floor'", or "mesh 3" where it has no name.
 std::string label(std::string_view kind, size_t index, const std::string& name);
