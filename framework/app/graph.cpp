@@ -49,11 +49,11 @@ void printEdges(const Graph& graph)
 
 void printResources(const Graph& graph)
 {
-    Table table({"resource", "type", "size", "copies", "lifetime"});
+    Table table({"resource", "type", "size", "copies"});
     for (const auto& resource : graph.resources()) {
         const auto& type = graph.passes()[resource.pass].interface.outputs()[resource.output].type;
         table.add({outputName(graph, resource.pass, resource.output), type.name, type.sizeText(),
-                   std::to_string(resource.copies()), fmt::format("{} .. {}", resource.firstUse, resource.lastUse)});
+                   std::to_string(resource.copies())});
     }
     fmt::print("\nresources\n{}", table.text());
 }

@@ -1,7 +1,5 @@
 #include "gpu/device.h"
 
-#include "core/error.h"
-
 #include <algorithm>
 
 namespace restirpg {

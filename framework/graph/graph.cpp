@@ -79,7 +79,7 @@ void Graph::plan()
         if (live[pass])
             order_.push_back(pass);
     }
-    resources_ = planResources(passes_, edges_, outputs_, order_);
+    resources_ = planResources(passes_, edges_, outputs_);
     connectPorts();
 }
 

@@ -59,9 +59,6 @@ struct PlannedResource {
     uint32_t pass;
     uint32_t output;
     bool delayed;  ///< somebody reads last frame's value: two copies, alternating
-    uint32_t firstUse;  ///< position in Graph::order of the pass that writes it
-    /// Of the last pass that reads it; the end of the order when it outlives the frame (delayed, or a graph's output).
-    uint32_t lastUse;
     uint32_t copies() const { return delayed ? 2 : 1; }
 };
 

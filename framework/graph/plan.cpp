@@ -99,27 +99,17 @@ std::vector<bool> reachable(size_t passCount, const std::vector<Edge>& edges, co
 }
 
 std::vector<PlannedResource> planResources(const std::vector<GraphPass>& passes, const std::vector<Edge>& edges,
-                                           const std::vector<GraphOutput>& outputs, const std::vector<uint32_t>& order)
+                                           const std::vector<GraphOutput>& outputs)
 {
-    const uint32_t end = order.empty() ? 0 : uint32_t(order.size()) - 1;
-    std::vector<uint32_t> position(passes.size(), UINT32_MAX);
-    for (uint32_t i = 0; i < order.size(); ++i)
-        position[order[i]] = i;
-
     std::map<std::pair<uint32_t, uint32_t>, PlannedResource> resources;
     const auto resource = [&](uint32_t pass, uint32_t output) -> PlannedResource& {
-        const PlannedResource unread{pass, output, false, position[pass], position[pass]};
-        return resources.try_emplace({pass, output}, unread).first->second;
+        return resources.try_emplace({pass, output}, PlannedResource{pass, output, false}).first->second;
     };
-    for (const auto& edge : edges) {
-        if (position[edge.target] == UINT32_MAX)
-            continue;  // a culled reader
-        auto& read = resource(edge.source, edge.output);
-        read.delayed |= edge.delayed;
-        read.lastUse = std::max(read.lastUse, edge.delayed ? end : position[edge.target]);
-    }
+    for (const auto& edge : edges)
+        if (passes[edge.target].live)
+            resource(edge.source, edge.output).delayed |= edge.delayed;
     for (const auto& output : outputs)
-        resource(output.pass, output.output).lastUse = end;
+        resource(output.pass, output.output);
 
     std::vector<PlannedResource> result;
     for (const auto& [port, planned] : resources)

@@ -13,8 +13,8 @@ std::vector<uint32_t> topologicalOrder(const std::vector<GraphPass>& passes, con
 /// Whether each pass is reachable from the outputs, against all edges: what is read one frame later must be made too.
 std::vector<bool> reachable(size_t passCount, const std::vector<Edge>& edges, const std::vector<GraphOutput>& outputs);
 
-/// The resources of the passes in `order`, by pass and output. Every pass of `order` is live.
+/// The resources of the live passes, by pass and output.
 std::vector<PlannedResource> planResources(const std::vector<GraphPass>& passes, const std::vector<Edge>& edges,
-                                           const std::vector<GraphOutput>& outputs, const std::vector<uint32_t>& order);
+                                           const std::vector<GraphOutput>& outputs);
 
 }  // namespace restirpg

@@ -1,6 +1,5 @@
 #include "render/scene_gpu.h"
 
-#include "core/error.h"
 #include "scene/energy_table.h"
 #include "shaders/restir/path_vertex_types.h"
 

@@ -13,23 +13,6 @@ namespace restirpg {
 
 namespace {
 
-/// Texel index along one axis after wrapping [Vulkan 1.3, 16.6]. Doubles: a coordinate may lie beyond any integer type.
-uint32_t wrapTexel(double texel, uint32_t size, Texture::Wrap wrap)
-{
-    const double n = size;
-    switch (wrap) {
-    case Texture::Wrap::clampToEdge:
-        break;
-    case Texture::Wrap::repeat:
-        texel -= n * std::floor(texel / n);
-        break;
-    case Texture::Wrap::mirroredRepeat:
-        texel -= 2 * n * std::floor(texel / (2 * n));
-        texel = texel < n ? texel : 2 * n - 1 - texel;
-    }
-    return uint32_t(std::clamp(texel, 0.0, n - 1));
-}
-
 glm::dquat asQuaternion(const glm::dvec4& v)
 {
     return {v.w, v.x, v.y, v.z};
@@ -171,20 +154,6 @@ glm::vec4 Texture::texel(uint32_t x, uint32_t y) const
         return srgb ? table[byte] : float(byte) / 255.0f;
     };
     return {color(0), color(1), color(2), float(bytes[first + 3]) / 255.0f};
-}
-
-glm::vec4 Texture::sample(glm::vec2 uv) const
-{
-    const double x = double(uv.x) * width, y = double(uv.y) * height;
-    const auto wrapped = [&](double i, double j) {
-        return texel(wrapTexel(i, width, wrapU), wrapTexel(j, height, wrapV));
-    };
-    if (filter == Filter::nearest)
-        return wrapped(std::floor(x), std::floor(y));
-    const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
-    const float fx = float(x - 0.5 - left), fy = float(y - 0.5 - top);
-    return glm::mix(glm::mix(wrapped(left, top), wrapped(left + 1, top), fx),
-                    glm::mix(wrapped(left, top + 1), wrapped(left + 1, top + 1), fx), fy);
 }
 
 uint64_t Scene::instancedTriangleCount() const

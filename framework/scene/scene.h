@@ -36,10 +36,6 @@ struct Texture {
 
     /// Linear RGBA of one texel.
     glm::vec4 texel(uint32_t x, uint32_t y) const;
-
-    /// Linear RGBA at (u, v), with the texture's own wrap and filter, the kernels' value (shaders/scene/texture.glsl)
-    /// but for rounding.
-    glm::vec4 sample(glm::vec2 uv) const;
 };
 
 /// One glTF mesh: the triangles of all of its primitives.

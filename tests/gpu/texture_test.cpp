@@ -1,4 +1,5 @@
 // Texture lookups of kernels against the host's, which follow the Vulkan specification in doubles.
+#include "../support/sample_texture.h"
 #include "gpu_test.h"
 #include "light_scenes.h"
 #include "texture_case.h"
@@ -113,7 +114,7 @@ TEST(Textures, LookupsWrapAndFilterAsSpecified)
             if (texture.filter == Filter::nearest && std::min(fromEdge.x, fromEdge.y) < 1e-4f)
                 continue;  // on the edge of two texels rounding decides
             // Coordinates are floats: at 3 periods of 64 texels a weight is good to 2e-5.
-            ASSERT_LT(glm::distance(values[i], texture.sample(places[i])), 3e-5f * largest)
+            ASSERT_LT(glm::distance(values[i], sampleTexture(texture, places[i])), 3e-5f * largest)
                 << "texture " << t << " at " << places[i].x << ", " << places[i].y;
         }
     }

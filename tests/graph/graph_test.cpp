@@ -1,4 +1,4 @@
-// Order, culling, lifetimes, knobs and the round trip of graphs that are right.
+// Order, culling, resources, knobs and the round trip of graphs that are right.
 #include "describing.h"
 
 #include "graph/describe.h"
@@ -19,14 +19,13 @@ std::vector<std::string> orderOf(const Graph& graph)
     return names;
 }
 
-/// "pass.output first-last", with " x2" where the frame before is kept.
-std::vector<std::string> lifetimesOf(const Graph& graph)
+/// "pass.output", with " x2" where the frame before is kept.
+std::vector<std::string> resourcesOf(const Graph& graph)
 {
     std::vector<std::string> texts;
     for (const auto& resource : graph.resources()) {
         const auto& pass = graph.passes()[resource.pass];
-        texts.push_back(fmt::format("{}.{} {}-{}{}", pass.name, pass.interface.outputs()[resource.output].name,
-                                    resource.firstUse, resource.lastUse, resource.delayed ? " x2" : ""));
+        texts.push_back(pathOf(pass, pass.interface.outputs()[resource.output].name) + (resource.delayed ? " x2" : ""));
     }
     return texts;
 }
@@ -123,7 +122,7 @@ TEST(GraphCulling, WhatIsReadOneFrameLaterIsLive)
     EXPECT_EQ(orderOf(Graph(writer.graph, fakePlugins())), (Names{"gbuffer", "paths", "fit"}));
 }
 
-TEST(GraphPlan, OnlyWhatIsReadIsAllocatedAndLivesFromWriterToLastReader)
+TEST(GraphPlan, OnlyWhatIsReadIsAllocated)
 {
     Writer writer;
     writer.add("gbuffer", "GBuffer")
@@ -133,9 +132,9 @@ TEST(GraphPlan, OnlyWhatIsReadIsAllocatedAndLivesFromWriterToLastReader)
         .add("dead", "Blur", {{"image", "blur.blurred"}})
         .output("image", "paths.radiance")
         .output("smooth", "blur.blurred");
-    EXPECT_EQ(lifetimesOf(Graph(writer.graph, fakePlugins())),
-              (Names{"gbuffer.surface 0-1", "gbuffer.normal 0-2", "paths.radiance 1-3", "paths.vertices 1-3",
-                     "blur.blurred 2-3", "fit.guide 3-3 x2"}));
+    EXPECT_EQ(resourcesOf(Graph(writer.graph, fakePlugins())),
+              (Names{"gbuffer.surface", "gbuffer.normal", "paths.radiance", "paths.vertices", "blur.blurred",
+                     "fit.guide x2"}));
 }
 
 TEST(GraphPlan, BytesFollowTheImageUnlessFixed)
@@ -222,7 +221,7 @@ TEST(GraphDescription, RoundTripsWithTheKnobsAsTheyAreNow)
         (json{{"bounces", 3}, {"roughness", 0.7}, {"offset", 0}, {"cells", "world"}, {"note", ""}, {"nee", true}}));
     const Graph again(json::parse(described.dump()), fakePlugins());
     EXPECT_EQ(again.description(), described);
-    EXPECT_EQ(lifetimesOf(again), lifetimesOf(graph));
+    EXPECT_EQ(resourcesOf(again), resourcesOf(graph));
     EXPECT_EQ(orderOf(again), orderOf(graph));
 }
 

@@ -1,4 +1,5 @@
 // The light table: powers, the parts of textured emitters, the environment's density.
+#include "../support/sample_texture.h"
 #include "gltf_builder.h"
 
 #include "scene/lights.h"
@@ -193,7 +194,7 @@ TEST(LightTable, NoBrightPlaceOfATexturedEmitterIsMissed)
                 uv += weight * scene.attributes[scene.triangles[triangle][corner]].uv0;
             }
             const glm::vec3 point(uv, 1);
-            const bool lit = texture.sample({glm::dot(map.row0, point), glm::dot(map.row1, point)}).r > 0;
+            const bool lit = sampleTexture(texture, {glm::dot(map.row0, point), glm::dot(map.row1, point)}).r > 0;
             const uint32_t light =
                 table.lightMapOfInstance[0] == INVALID_INDEX ? INVALID_INDEX : table.lightOfTriangle[triangle];
             const float density =
@@ -322,7 +323,7 @@ TEST(EnvironmentTable, TheDensityIsPositiveWhereverABilinearLookupIsBright)
             for (int j = 0; j < 80; ++j) {
                 const glm::vec2 uv((float(i) + 0.5f) / 160, (float(j) + 0.5f) / 80);
                 const float pdf = table.environmentCells[size_t(j / 10) * 16 + size_t(i / 10)].pdf;
-                if (scene.environment->texture->sample(uv).x > 0) {
+                if (sampleTexture(*scene.environment->texture, uv).x > 0) {
                     EXPECT_GT(pdf, 0) << uv.x << " " << uv.y;
                     ++bright;
                 }
