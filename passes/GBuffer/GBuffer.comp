@@ -5,9 +5,8 @@
 #include "scene/environment.glsl"
 #include "scene/lights.glsl"
 #include "bsdf/transmittance.glsl"
-#include "restir/neighbours.glsl"
 #include "math/random.glsl"
-#include "scene/surface.glsl"
+#include "scene/primary_hit.glsl"
 #include "trace/trace.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;

@@ -2,8 +2,7 @@
 #version 460
 #include "prelude.glsl"
 #include "Shared.h"
-#include "guide/guiding_grid.glsl"
-#include "math/vmf_mixture.glsl"
+#include "guide/guiding_mixture.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { GuidingFitParameters params; };

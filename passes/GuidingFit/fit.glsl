@@ -2,6 +2,7 @@
 #ifndef RESTIRPG_GUIDING_FIT_GLSL
 #define RESTIRPG_GUIDING_FIT_GLSL
 
+#include "guide/guiding_grid_types.h"
 #include "math/vmf_mixture.glsl"
 
 /// A cell's statistics: sums over the samples of each lobe's share and of share times direction.

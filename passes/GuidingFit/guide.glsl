@@ -1,6 +1,5 @@
 // The functions of shaders/guide/guide.glsl for GuidingFit's guide: a mixture of von Mises-Fisher lobes in each cell of the grid.
-#include "guide/guiding_grid.glsl"
-#include "math/vmf_mixture.glsl"
+#include "guide/guiding_mixture.glsl"
 
 struct Guide {
     PlacedMixture lobes;

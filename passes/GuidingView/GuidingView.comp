@@ -1,9 +1,8 @@
 #version 460
 #include "prelude.glsl"
 #include "Shared.h"
-#include "guide/guiding_grid.glsl"
-#include "scene/surface.glsl"
-#include "math/vmf_mixture.glsl"
+#include "scene/primary_hit.glsl"
+#include "guide/guiding_mixture.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { GuidingViewParameters params; };

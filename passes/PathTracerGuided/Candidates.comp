@@ -1,6 +1,7 @@
 #version 460
 #include "prelude.glsl"
 #include "Shared.h"
+#include "scene/primary_hit.glsl"
 #include "restir/path_reservoir.glsl"
 #include "restir/resampling.glsl"
 

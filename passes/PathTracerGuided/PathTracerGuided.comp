@@ -1,6 +1,7 @@
 #version 460
 #include "prelude.glsl"
 #include "Shared.h"
+#include "scene/primary_hit.glsl"
 #include "scene/lights.glsl"
 #include "trace/trace.glsl"
 #include "bsdf/transmittance.glsl"

@@ -9,6 +9,7 @@
 #define RESTIRPG_RESTIR_DI_MERGE_GLSL
 
 #include "Shared.h"
+#include "scene/primary_hit.glsl"
 #include "restir/light_reservoir.glsl"
 #include "restir/resampling.glsl"
 #include "math/short_list.glsl"

@@ -2,7 +2,7 @@
 #version 460
 #include "prelude.glsl"
 #include "grid_guide_case.glsl"
-#include "math/vmf_mixture.glsl"
+#include "guide/guiding_mixture.glsl"
 
 layout(push_constant, scalar) uniform Parameters { GridGuideBuild build; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TestLobes { TestLobe at[]; };

@@ -9,7 +9,7 @@
 #include "shaders/scene/scene_types.h"
 RESTIRPG_SHARED
 
-/// Lobes of a cell's mixture (Zeng et al. 2025: 4).
+/// Lobes of a cell's mixture, as many as a VmfMixture has (Zeng et al. 2025: 4).
 RESTIRPG_CONST GUIDING_LOBES = 4u;
 /// Slots tried for a key, from its own on.
 RESTIRPG_CONST GUIDING_PROBES = 32u;

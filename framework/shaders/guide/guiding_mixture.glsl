@@ -1,9 +1,46 @@
-// The mixture that a cell of the guiding grid had in the frame before.
+// The mixture of a cell of the guiding grid: as it is stored, and as it was in the frame before.
 #ifndef RESTIRPG_GUIDING_MIXTURE_GLSL
 #define RESTIRPG_GUIDING_MIXTURE_GLSL
 
 #include "guiding_grid.glsl"
 #include "math/vmf_mixture.glsl"
+
+VmfMixture unpack_mixture(GuidingCell cell)
+{
+    VmfMixture m;
+    for (uint k = 0u; k < GUIDING_LOBES; ++k) {
+        vec3 w = unpack_direction(cell.lobes[k].direction);
+        m.x[k] = w.x;
+        m.y[k] = w.y;
+        m.z[k] = w.z;
+        m.kappa[k] = cell.lobes[k].kappa;
+        m.weight[k] = cell.lobes[k].weight;
+    }
+    return m;
+}
+
+/// alpha: probability of the BSDF instead of the mixture.
+GuidingCell pack_mixture(VmfMixture m, float alpha, uint age, float samples)
+{
+    GuidingCell cell;
+    for (uint k = 0u; k < GUIDING_LOBES; ++k)
+        cell.lobes[k] = GuidingLobe(pack_direction(lobe_direction(m, k)), m.kappa[k], m.weight[k]);
+    cell.state = min(age, 0xffffu) | (packUnorm2x16(vec2(0.0, alpha)) & 0xffff0000u);
+    cell.samples = samples;
+    return cell;
+}
+
+/// Frames since the cell was last fitted.
+uint cell_age(GuidingCell cell)
+{
+    return cell.state & 0xffffu;
+}
+
+/// Probability of the BSDF that the cell has learnt, with GUIDING_ALPHA.
+float cell_alpha(GuidingCell cell)
+{
+    return unpackUnorm2x16(cell.state).y;
+}
 
 /// Probability of the BSDF where nothing has been learnt.
 const float NEW_ALPHA = 0.5;

@@ -2,9 +2,10 @@
 #ifndef RESTIRPG_VMF_MIXTURE_GLSL
 #define RESTIRPG_VMF_MIXTURE_GLSL
 
-#include "guide/guiding_grid_types.h"
-#include "restir/path_vertex.glsl"
 #include "vmf.glsl"
+
+/// One for each component of a vector.
+const uint MIXTURE_LOBES = 4u;
 
 /// Lobe k in component k.
 struct VmfMixture {
@@ -23,7 +24,7 @@ vec4 log_lobe_densities(VmfMixture m, vec3 w)
     vec4 dy = w.y - m.y;
     vec4 dz = w.z - m.z;
     vec4 result = -0.5 * m.kappa * (dx * dx + dy * dy + dz * dz);
-    for (uint k = 0u; k < GUIDING_LOBES; ++k)
+    for (uint k = 0u; k < MIXTURE_LOBES; ++k)
         result[k] += log(max(m.weight[k], 1e-30) * vmf_normalization(m.kappa[k]));
     return result;
 }
@@ -45,8 +46,8 @@ VmfMixture new_mixture(vec3 normal)
     const float GOLDEN_ANGLE = 2.39996323;
     mat3 local_frame = make_frame(normal);
     VmfMixture m;
-    for (uint k = 0u; k < GUIDING_LOBES; ++k) {
-        float z = 1.0 - (float(k) + 0.5) / float(GUIDING_LOBES);
+    for (uint k = 0u; k < MIXTURE_LOBES; ++k) {
+        float z = 1.0 - (float(k) + 0.5) / float(MIXTURE_LOBES);
         float r = sqrt(1.0 - z * z);
         float phi = GOLDEN_ANGLE * float(k);
         vec3 w = to_world(local_frame, vec3(r * cos(phi), r * sin(phi), z));
@@ -55,21 +56,7 @@ VmfMixture new_mixture(vec3 normal)
         m.z[k] = w.z;
     }
     m.kappa = vec4(NEW_LOBE_KAPPA);
-    m.weight = vec4(1.0 / float(GUIDING_LOBES));
-    return m;
-}
-
-VmfMixture unpack_mixture(GuidingCell cell)
-{
-    VmfMixture m;
-    for (uint k = 0u; k < GUIDING_LOBES; ++k) {
-        vec3 w = unpack_direction(cell.lobes[k].direction);
-        m.x[k] = w.x;
-        m.y[k] = w.y;
-        m.z[k] = w.z;
-        m.kappa[k] = cell.lobes[k].kappa;
-        m.weight[k] = cell.lobes[k].weight;
-    }
+    m.weight = vec4(1.0 / float(MIXTURE_LOBES));
     return m;
 }
 
@@ -78,34 +65,11 @@ vec3 lobe_direction(VmfMixture m, uint k)
     return vec3(m.x[k], m.y[k], m.z[k]);
 }
 
-/// alpha: probability of the BSDF instead of the mixture.
-GuidingCell pack_mixture(VmfMixture m, float alpha, uint age, float samples)
-{
-    GuidingCell cell;
-    for (uint k = 0u; k < GUIDING_LOBES; ++k)
-        cell.lobes[k] = GuidingLobe(pack_direction(lobe_direction(m, k)), m.kappa[k], m.weight[k]);
-    cell.state = min(age, 0xffffu) | (packUnorm2x16(vec2(0.0, alpha)) & 0xffff0000u);
-    cell.samples = samples;
-    return cell;
-}
-
-/// Frames since the cell was last fitted.
-uint cell_age(GuidingCell cell)
-{
-    return cell.state & 0xffffu;
-}
-
-/// Probability of the BSDF that the cell has learnt, with GUIDING_ALPHA.
-float cell_alpha(GuidingCell cell)
-{
-    return unpackUnorm2x16(cell.state).y;
-}
-
 /// The lobe that a number in [0, 1) selects by the weights.
 uint select_lobe(VmfMixture m, float u)
 {
     uint k = 0u;
-    for (; k + 1u < GUIDING_LOBES; ++k) {
+    for (; k + 1u < MIXTURE_LOBES; ++k) {
         u -= m.weight[k];
         if (u < 0.0)
             break;

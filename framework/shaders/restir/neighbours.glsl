@@ -6,8 +6,7 @@
 #include "restir/resampling.glsl"
 #include "scene/camera.glsl"
 #include "math/random.glsl"
-#include "math/sampling.glsl"
-#include "scene/surface.glsl"
+#include "scene/primary_hit.glsl"
 
 /// The round of temporal reuse, for random numbers; rounds of spatial reuse count from 0.
 const uint TEMPORAL_ROUND = 0xffffu;
@@ -16,36 +15,6 @@ const uint TEMPORAL_ROUND = 0xffffu;
 uint pool_round(uint first, uint round)
 {
     return first + round * (MAX_NEIGHBOURS * MAX_POOL / RANDOM_DIMENSIONS);
-}
-
-/// The shading normal on the camera's side.
-vec3 normal_towards(Surface s, vec3 camera)
-{
-    return dot(s.geometric_normal, camera - s.position) < 0.0 ? -s.shading_normal : s.shading_normal;
-}
-
-/// What pixels are compared by.
-struct Appearance {
-    vec3 normal;  ///< interpolated, on the camera's side
-    float distance;  ///< from the camera, m
-};
-
-Appearance appearance(Surface s, vec3 camera)
-{
-    return Appearance(normal_towards(s, camera), distance(s.position, camera));
-}
-
-/// That of a pixel's surface in the frame of the "Surface" port.
-Appearance load_appearance(Address surfaces, uint pixel)
-{
-    uvec2 word = unpackUint2x32(WordArray(surfaces + uint64_t(pixel) * PRIMARY_HIT_BYTES).at[2]);
-    return Appearance(unpack_direction(word.x), uintBitsToFloat(word.y));
-}
-
-PrimaryHit make_primary_hit(Hit hit, Surface s, vec3 camera)
-{
-    Appearance seen = appearance(s, camera);
-    return PrimaryHit(hit, pack_direction(seen.normal), seen.distance);
 }
 
 /// Do two surfaces look alike enough that sharing samples between them pays?

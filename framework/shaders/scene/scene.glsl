@@ -9,7 +9,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Ver
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialArray { Material at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightArray { Light at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ImportanceCellArray { ImportanceCell at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PrimaryHitArray { PrimaryHit at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer WordArray { uint64_t at[]; };
 
 // Records are read in words of 64 bits: CPU devices load component by component, whatever its width.
@@ -109,14 +108,6 @@ TextureRef load_map(uint material, uint map)
     vec2 a = floats_of(record, 0u), b = floats_of(record, 1u), c = floats_of(record, 2u);
     uvec2 d = uints_of(record, 3u);
     return TextureRef(vec3(a, b.x), vec3(b.y, c), d.x, d.y);
-}
-
-/// The hit of a pixel, from a "Surface" port.
-Hit primary_hit(Address surfaces, uint pixel)
-{
-    WordArray record = record_at(surfaces, pixel, PRIMARY_HIT_BYTES);
-    uvec2 ids = uints_of(record, 0u);
-    return Hit(ids.x, ids.y, floats_of(record, 1u));
 }
 
 /// A material's texture at the surface's coordinates.

@@ -3,6 +3,7 @@
 #include "KnownVerticesShared.h"
 #include "math/random.glsl"
 #include "math/vmf_mixture.glsl"
+#include "restir/path_vertex.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { KnownVerticesParameters params; };

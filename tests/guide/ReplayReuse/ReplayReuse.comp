@@ -9,6 +9,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { ReplayParameters params; };
 
+#include "scene/primary_hit.glsl"
 #include "scene/lights.glsl"
 #include "trace/trace.glsl"
 #include "restir/path_vertex.glsl"
