@@ -1,14 +1,12 @@
 #version 460
 #include "prelude.glsl"
-#include "Shared.h"
+#include "edge.glsl"
+#include "training.glsl"
 #include "scene/primary_hit.glsl"
 #include "restir/path_reservoir.glsl"
 #include "restir/resampling.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { PathTracerParameters params; };
-
-#include "vertex.glsl"
 
 // Streaming RIS along the pixel's path trees: every vertex offers the path that ends there by a light sample, and the one that ends where
 // scattering meets an emitter. A path is its vertices and labels, whichever technique made it; both techniques' densities stand in
@@ -29,17 +27,13 @@ struct Tree {
 PathReservoir kept;
 float weight_sum;
 
-#include "training.glsl"
-
 /// P(l) Q_l(wi): density of scatter with label l, 1/sr; the mixture with the guide for the smooth label. Delta labels: 0.
 float label_density(Vertex v, uint label, vec3 local, vec3 wi)
 {
     ShadingPoint p = v.point;
     float density = bsdf_pdf(p.bsdf, p.lobe_probabilities, p.wo, local, label_lobes(p.bsdf, label));
-    if (label == LABEL_SMOOTH && v.guided) {
-        float guided = label_probability(p.bsdf, p.lobe_probabilities, LABEL_SMOOTH) * guided_pdf(v, wi);
-        density += (1.0 - v.alpha) * (guided - density);
-    }
+    if (label == LABEL_SMOOTH && v.guided)
+        density += guide_correction(v, wi, density);
     return density;
 }
 
@@ -189,17 +183,19 @@ Bounce scatter_labelled(Vertex v, RandomKey key, uint u)
 }
 
 /// Offer the path whose scattered edge, `noted` as a vertex, has met a light.
-void offer_found_light(Tree tree, Vertex v, uint u, Bounce s, PathVertex noted, LightPoint point, vec3 radiance, vec3 absorption,
-                       RandomKey choices)
+void offer_found_light(Tree tree, Vertex v, uint u, Bounce s, PathVertex noted, Arrival a, RandomKey choices)
 {
+    LightPoint point = point_in_environment(s.wi);
+    if (a.found)
+        point = point_on_triangle(a.hit.instance, a.hit.triangle, a.hit.barycentrics);
     LightEdge e = edge_to_light(point, v.point.position, false);
     float density = s.density;
     if (!s.delta && e.jacobian > 0.0 && params.nextEventEstimation != 0u)
         density += e.light_pdf / e.jacobian * s.shares[s.label];
-    PathReservoir path = end_path(tree, v, u, s, point, e, radiance * absorption);
+    PathReservoir path = end_path(tree, v, u, s, point, e, a.emission * a.absorption);
     if (offer(path, luminance(path.f) * tree.inverse_pdf / density, random4(choices, u, 0u).z))
         keep_last_vertex(noted, false);
-    note_light(u + 1u, radiance * (s.density / density));
+    note_light(u + 1u, a.emission * (s.density / density));
 }
 
 /// Note the bounce in the path: label, direction, and the reconnection if this edge's end is the first that can.
@@ -218,12 +214,27 @@ void extend_path(inout Tree tree, uint u, Bounce s)
     }
 }
 
+/// Take the bounce at x_u, and the edge to the surface where it arrived, into the tree.
+void advance(inout Tree tree, uint u, Bounce s, Arrival a)
+{
+    vec3 value = s.value / s.replay_pdf;
+    if (tree.k > 0u)
+        tree.path.suffix *= value;
+    extend_path(tree, u, s);
+    if (tree.k > 0u)
+        tree.path.suffix *= a.absorption;
+    tree.f *= value * a.absorption;
+    tree.inverse_pdf *= s.replay_pdf / s.density;
+    tree.hit = a.hit;
+    tree.arrival = a.distance;
+    tree.arrival_geometry = edge_geometry(a.vertex.point.normal, s.wi, a.distance);
+}
+
 void trace_tree(Hit hit, uvec2 at, uint number)
 {
     RandomKey key = tree_key(random_key(picture_pixel(at), frame.c.frame, frame.c.seed), number);
     RandomKey choices = RandomKey(key.pixel, key.frame, key.seed ^ RANDOM_STREAM_RESAMPLING);
-    Surface surface = load_surface(hit, false);
-    Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), at, 1u, true);
+    Vertex v = primary_vertex(hit, at);
     vec3 seen = transmittance_to_camera(v.point, frame.c.camera.position);
     Tree tree = Tree(empty_path_reservoir(1.0), 0u, seen, 1.0, hit, 0.0, 0.0);
     tree.path.pixel = key.pixel;
@@ -236,44 +247,16 @@ void trace_tree(Hit hit, uvec2 at, uint number)
         if (s.density <= 0.0 || s.value == vec3(0.0) || !is_consistent(v.point, s.local, s.wi))
             return;
 
-        float t;
-        bool found = trace_closest(leave_surface(ray_end(v.point), s.wi), s.wi, RAY_INFINITY, hit, t);
-        bool owned = u > 1u || s.delta;
+        Arrival a = follow(v, s.wi, at, u);
         PathVertex bounce = record_bounce(v.point, v.material, s.label, s.wi, s.value);
-        Vertex next;
-        vec3 absorption;
-        vec3 emission;
-        LightPoint emitter;
-        if (found) {
-            surface = load_surface(hit, false);
-            next = make_vertex(surface, -s.wi, at, u + 1u, u < params.guidedBounces);
-            absorption = transmittance_between(v.point, s.wi, t, next.point);
-            emission = triangle_emission(hit.instance, hit.triangle, hit.barycentrics, next.point.front);
-            emitter = point_on_triangle(hit.instance, hit.triangle, hit.barycentrics);
-        } else {
-            t = INFINITE_DISTANCE;
-            absorption = transmittance_leaving(v.point, s.wi, t);
-            emission = environment_radiance(s.wi);
-            emitter = point_in_environment(s.wi);
-        }
-        note_bounce(u, bounce, s.value / s.density, absorption, s.density, t);
-        if (owned && emission != vec3(0.0))
-            offer_found_light(tree, v, u, s, bounce, emitter, emission, absorption, choices);
-        if (!found)
+        note_bounce(u, bounce, s.value / s.density, a.absorption, s.density, a.distance);
+        bool owned = u > 1u || s.delta;
+        if (owned && a.emission != vec3(0.0))
+            offer_found_light(tree, v, u, s, bounce, a, choices);
+        if (!a.found)
             return;
-
-        vec3 value = s.value / s.replay_pdf;
-        if (tree.k > 0u)
-            tree.path.suffix *= value;
-        extend_path(tree, u, s);
-        if (tree.k > 0u)
-            tree.path.suffix *= absorption;
-        tree.f *= value * absorption;
-        tree.inverse_pdf *= s.replay_pdf / s.density;
-        tree.hit = hit;
-        tree.arrival = t;
-        tree.arrival_geometry = edge_geometry(next.point.normal, s.wi, t);
-        v = next;
+        advance(tree, u, s, a);
+        v = a.vertex;
     }
 }
 
@@ -297,5 +280,5 @@ void main()
     kept.ucw = weight_sum > 0.0 ? weight_sum / (float(params.trees) * luminance(kept.f)) : 0.0;
     if (params.candidates != 0ul)
         PathReservoirArray(params.candidates).at[pixel] = kept;
-    end_training();
+    end_training(kept.ucw > 0.0 ? path_edges(kept) - 1u : 0u);
 }

@@ -1,15 +1,9 @@
 #version 460
 #include "prelude.glsl"
-#include "Shared.h"
+#include "edge.glsl"
 #include "scene/primary_hit.glsl"
-#include "scene/lights.glsl"
-#include "trace/trace.glsl"
-#include "bsdf/transmittance.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { PathTracerParameters params; };
-
-#include "vertex.glsl"
 
 /// Direct light through the rough lobes, from one light sample weighted against scatter by the balance heuristic.
 vec3 estimate_direct(Vertex v, vec4 u)
@@ -34,16 +28,16 @@ vec3 estimate_direct(Vertex v, vec4 u)
 }
 
 /// The density with which next event estimation from x would have found the emitter that scattering hit.
-float light_pdf(bool found, Hit hit, vec3 x, vec3 y, vec3 wi)
+float light_pdf(Arrival a, vec3 x, vec3 wi)
 {
-    return found ? light_pdf_triangle(hit.instance, hit.triangle, hit.barycentrics, x, y) : light_pdf_environment(wi);
+    return a.found ? light_pdf_triangle(a.hit.instance, a.hit.triangle, a.hit.barycentrics, x, a.vertex.point.position)
+                   : light_pdf_environment(wi);
 }
 
 /// Light scattered at the primary hit towards the camera: one path, NEE at every vertex, emission found by scattering.
 vec3 trace_path(Hit hit, uvec2 pixel, RandomKey key)
 {
-    Surface surface = load_surface(hit, false);
-    Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), pixel, 1u, true);
+    Vertex v = primary_vertex(hit, pixel);
     vec3 radiance = vec3(0.0);
     vec3 throughput = transmittance_to_camera(v.point, frame.c.camera.position);
 
@@ -58,27 +52,16 @@ vec3 trace_path(Hit hit, uvec2 pixel, RandomKey key)
             break;
         throughput *= s.weight;
 
-        float t;
-        vec3 x = v.point.position;
-        bool found = trace_closest(leave_surface(ray_end(v.point), wi), wi, RAY_INFINITY, hit, t);
-        vec3 emission;
-        if (found) {
-            surface = load_surface(hit, false);
-            ShadingPoint from = v.point;
-            v = make_vertex(surface, -wi, pixel, u + 1u, u < params.guidedBounces);
-            throughput *= transmittance_between(from, wi, t, v.point);
-            emission = triangle_emission(hit.instance, hit.triangle, hit.barycentrics, v.point.front);
-        } else {
-            throughput *= transmittance_leaving(v.point, wi, INFINITE_DISTANCE);
-            emission = environment_radiance(wi);
-        }
-        if ((direct || s.delta) && emission != vec3(0.0)) {
+        Arrival a = follow(v, wi, pixel, u);
+        throughput *= a.absorption;
+        if ((direct || s.delta) && a.emission != vec3(0.0)) {
             bool weighted = params.nextEventEstimation != 0u && !s.delta;
-            float other = weighted ? light_pdf(found, hit, x, surface.position, wi) : 0.0;
-            radiance += throughput * emission * balance_heuristic(s.pdf, other);
+            float other = weighted ? light_pdf(a, v.point.position, wi) : 0.0;
+            radiance += throughput * a.emission * balance_heuristic(s.pdf, other);
         }
-        if (!found)
+        if (!a.found)
             break;
+        v = a.vertex;
     }
     return radiance;
 }

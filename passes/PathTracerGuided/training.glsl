@@ -4,6 +4,8 @@
 #ifndef RESTIRPG_PATH_TRACER_TRAINING_GLSL
 #define RESTIRPG_PATH_TRACER_TRAINING_GLSL
 
+#include "push.glsl"
+#include "restir/path_reservoir_types.h"
 #include "restir/path_vertex.glsl"
 
 /// Bounces of the tree so far, and where its first one stands in the arrays of vertices and of samples.
@@ -88,9 +90,8 @@ void note_light(uint u, vec3 radiance)
 
 #if VERTICES
 /// The kept path's bounces, which are its tree's but for the last; after them nothing.
-void end_vertices()
+void end_vertices(uint bounces)
 {
-    uint bounces = kept.ucw > 0.0 ? path_edges(kept) - 1u : 0u;
     uint count = min(bounces, params.guidedBounces);
     if (kept_vertices != params.vertices) {
         for (uint i = 0u; i < min(count, bounces - 1u); ++i)
@@ -123,10 +124,11 @@ void end_tree()
 #endif
 }
 
-void end_training()
+/// `bounces`: of the kept path; 0: there is none.
+void end_training(uint bounces)
 {
 #if VERTICES
-    end_vertices();
+    end_vertices(bounces);
 #endif
 }
 

@@ -1,9 +1,10 @@
-// A vertex of a path, with its guide. Reads `params.guide` and `params.alpha` of the kernel that includes it.
+// A vertex of a path, with its guide, and how the path leaves it.
 #ifndef RESTIRPG_PATH_TRACER_VERTEX_GLSL
 #define RESTIRPG_PATH_TRACER_VERTEX_GLSL
 
 #include "guide/guide.glsl"
 #include "bsdf/labels.glsl"
+#include "math/random.glsl"
 
 /// Where a path scatters, and what guides it there.
 struct Vertex {
@@ -15,8 +16,8 @@ struct Vertex {
     Guide guide;
 };
 
-/// `guidable`: whether the bounce here is one that a guide may draw.
-Vertex make_vertex(Surface surface, vec3 wo, uvec2 pixel, uint bounce, bool guidable)
+/// `guide`: what may draw the bounce here, 0: no guide; `alpha`: probability of the BSDF where the guide has learnt none.
+Vertex make_vertex(Surface surface, vec3 wo, uvec2 pixel, uint bounce, Address guide, float alpha)
 {
     Vertex v;
     v.point = shade_surface(surface, wo);
@@ -25,9 +26,9 @@ Vertex make_vertex(Surface surface, vec3 wo, uvec2 pixel, uint bounce, bool guid
 #if GUIDED
     uint lobes = label_lobes(v.point.bsdf, LABEL_SMOOTH);
     v.opaque = (lobes & LOBE_TRANSMIT) == 0u;
-    v.guided = guidable && params.guide != 0ul && lobes != 0u &&
-               guide_lookup(params.guide, GuideQuery(surface.position, v.point.normal, wo, surface.material, pixel, bounce), v.guide);
-    v.alpha = v.guided ? guide_alpha(v.guide, params.alpha) : 1.0;
+    v.guided = guide != 0ul && lobes != 0u &&
+               guide_lookup(guide, GuideQuery(surface.position, v.point.normal, wo, surface.material, pixel, bounce), v.guide);
+    v.alpha = v.guided ? guide_alpha(v.guide, alpha) : 1.0;
 #endif
     return v;
 }
@@ -50,7 +51,14 @@ float guided_pdf(Vertex v, vec3 w)
     return cosine > 0.0 ? pdf + guide_pdf(v.guide, w - 2.0 * cosine * v.point.normal) : 0.0;
 }
 
-/// Density of scatter over all rough lobes, 1/sr: within the smooth label one-sample MIS of BSDF and guide, sharp lobes never guided.
+/// What one-sample MIS with the guide adds to the density of a direction within the smooth label, which is smooth_pdf by the BSDF alone.
+float guide_correction(Vertex v, vec3 w, float smooth_pdf)
+{
+    float guided = label_probability(v.point.bsdf, v.point.lobe_probabilities, LABEL_SMOOTH) * guided_pdf(v, w);
+    return (1.0 - v.alpha) * (guided - smooth_pdf);
+}
+
+/// Density of scatter over all rough lobes, 1/sr. Sharp lobes are never guided.
 float scatter_pdf(Vertex v, vec3 wi_local, vec3 wi)
 {
     ShadingPoint p = v.point;
@@ -58,9 +66,7 @@ float scatter_pdf(Vertex v, vec3 wi_local, vec3 wi)
     float unguided = pdfs.x + pdfs.y + pdfs.z;
     if (!v.guided)
         return unguided;
-    float smooth_pdf = sum_over_lobes(pdfs, label_lobes(p.bsdf, LABEL_SMOOTH));
-    float guided = label_probability(p.bsdf, p.lobe_probabilities, LABEL_SMOOTH) * guided_pdf(v, wi);
-    return unguided + (1.0 - v.alpha) * (guided - smooth_pdf);
+    return unguided + guide_correction(v, wi, sum_over_lobes(pdfs, label_lobes(p.bsdf, LABEL_SMOOTH)));
 }
 
 /// A scattered direction (BsdfSample::wi in the local frame) by the BSDF or, in the smooth label, by the guide.

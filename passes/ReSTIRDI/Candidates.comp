@@ -3,10 +3,10 @@
 // Veach's balance heuristic over light and BSDF samples]
 #version 460
 #include "prelude.glsl"
+#include "push.glsl"
 #include "merge.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { ReSTIRDIParameters params; };
 
 /// A candidate of the light that scattering through the rough lobes finds; false when it finds none.
 bool scatter_to_light(ShadingPoint p, vec4 u, out LightPoint point)

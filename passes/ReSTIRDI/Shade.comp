@@ -2,10 +2,10 @@
 // is needed.
 #version 460
 #include "prelude.glsl"
+#include "push.glsl"
 #include "merge.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { ReSTIRDIParameters params; };
 
 void main()
 {

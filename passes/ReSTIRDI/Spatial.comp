@@ -4,7 +4,6 @@
 #include "participants.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { ReSTIRDIParameters params; };
 
 void main()
 {
@@ -23,7 +22,7 @@ void main()
         merge.shade = params.radiance != 0ul;
         begin_merge(load_domain(hit, false), r);
         RandomKey key = direct_key(at);
-        add_around(params, key, at);
+        add_around(key, at);
         if (merge.count > 0u || merge.shade)
             r = merge_reservoirs(key, params.round);
     }

@@ -3,11 +3,12 @@
 #ifndef RESTIRPG_RESTIR_DI_PARTICIPANTS_GLSL
 #define RESTIRPG_RESTIR_DI_PARTICIPANTS_GLSL
 
+#include "push.glsl"
 #include "merge.glsl"
 #include "restir/neighbours.glsl"
 
 /// Add the pixel that showed this surface in the frame before, when there is one.
-void add_previous(ReSTIRDIParameters params, RandomKey key, uvec2 at, Hit hit, vec2 motion)
+void add_previous(RandomKey key, uvec2 at, Hit hit, vec2 motion)
 {
     vec2 u = random2(key, RANDOM_PARTICIPANTS + TEMPORAL_ROUND, 0u);
     uint pixel;
@@ -16,7 +17,7 @@ void add_previous(ReSTIRDIParameters params, RandomKey key, uvec2 at, Hit hit, v
 }
 
 /// Add up to rules.neighbours pixels of the disk about this one.
-void add_around(ReSTIRDIParameters params, RandomKey key, uvec2 at)
+void add_around(RandomKey key, uvec2 at)
 {
     Appearance centre = load_appearance(merge.surfaces, pixel_index(at));
     uint pools = pool_round(RANDOM_POOLS, params.round);

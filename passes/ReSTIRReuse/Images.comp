@@ -1,14 +1,11 @@
 // The image that the path of each of a pixel's partners has in this pixel. A shift is made once, and serves both pixels: the one as a path
 // to take, the other as its own path's target there.
 #version 460
+#define RECIPROCAL 1
 #include "prelude.glsl"
-#include "Shared.h"
+#include "participants.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { ReuseParameters params; };
-
-#define RECIPROCAL 1
-#include "participants.glsl"
 
 void main()
 {

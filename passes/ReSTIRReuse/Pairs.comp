@@ -1,12 +1,9 @@
 // The partner that each pixel would have in each place. Two pixels that choose each other are paired.
 #version 460
 #include "prelude.glsl"
-#include "Shared.h"
+#include "pairs.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { ReuseParameters params; };
-
-#include "pairs.glsl"
 
 void main()
 {

@@ -1,11 +1,10 @@
 // The light of each pixel's chosen path.
 #version 460
 #include "prelude.glsl"
-#include "Shared.h"
+#include "push.glsl"
 #include "restir/path_reservoir.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { ReuseParameters params; };
 
 void main()
 {

@@ -18,11 +18,11 @@ struct ReuseParameters {
     /// The origin (see merge.glsl) of each path of `source`, a uint per pixel; 0: each pixel's own candidate
     Address originSource;
     Address origins;  ///< the origin of each path of `reservoirs`, written; 0: nobody reads vertices
+    Address images;  ///< PathImage, one per pixel and partner; 0: pixels are not paired
+    Address partners;  ///< the pixel that each pixel would be paired with in each place, a uint; INVALID_INDEX: none
     float cap;  ///< confidence of the history, at most, times that of the pixel's own
     uint round;  ///< of spatial reuse
     NeighbourRules rules;
-    Address images;  ///< PathImage, one per pixel and partner; 0: pixels are not paired
-    Address partners;  ///< the pixel that each pixel would be paired with in each place, a uint; INVALID_INDEX: none
 };
 
 /// What a path's image in another pixel does not share with the path. 36 bytes.

@@ -3,12 +3,9 @@
 // paired.
 #version 460
 #include "prelude.glsl"
-#include "Shared.h"
+#include "participants.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { ReuseParameters params; };
-
-#include "participants.glsl"
 
 /// The image in a pixel, whose surface is `domain`, of path y of its neighbour number i; false: it has none there.
 bool image_in(uint pixel, ShadingPoint domain, uint i, PathReservoir y, out PathReservoir shifted, out float jacobian)

@@ -2,10 +2,10 @@
 // heuristic over the two domains [shaders/README: MIS weights].
 #version 460
 #include "prelude.glsl"
+#include "push.glsl"
 #include "merge.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { ReuseParameters params; };
 
 /// Owners of a merged path.
 const uint OWN = 0u;

@@ -2,6 +2,7 @@
 #ifndef RESTIRPG_RESTIR_REUSE_PAIRS_GLSL
 #define RESTIRPG_RESTIR_REUSE_PAIRS_GLSL
 
+#include "push.glsl"
 #include "merge.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PartnerArray { uint at[]; };

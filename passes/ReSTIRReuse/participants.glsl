@@ -2,6 +2,7 @@
 #ifndef RESTIRPG_RESTIR_REUSE_PARTICIPANTS_GLSL
 #define RESTIRPG_RESTIR_REUSE_PARTICIPANTS_GLSL
 
+#include "push.glsl"
 #include "merge.glsl"
 #include "pairs.glsl"
 #include "math/short_list.glsl"

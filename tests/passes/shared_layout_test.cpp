@@ -115,7 +115,7 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(GuidingSample, vertex, weight, distance),
     LAYOUT(PathImage, f, geometry, jacobian, anchor, place),
     LAYOUT(ReuseParameters, frame, surface, previousSurface, motion, source, history, reservoirs, radiance,
-           originSource, origins, cap, round, rules, images, partners),
+           originSource, origins, images, partners, cap, round, rules),
     LAYOUT(ReuseVerticesParameters, frame, surface, source, origins, candidates, history, vertices, stride),
     LAYOUT(GuidingGrid, camera, scale, origin, smallest),
     LAYOUT(GuidingHeader, grid, capacity, options, cells, collisions, failed, samples, fitted, guiding),

@@ -69,7 +69,7 @@ void main()
     Hit hit = primary_hit(params.surface, pixel);
     if (hit.instance != INVALID_INDEX) {
         Surface surface = load_surface(hit, false);
-        Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), at, BOUNCE, true);
+        Vertex v = make_vertex(surface, normalize(frame.c.camera.position - surface.position), at, BOUNCE, params.guide, params.alpha);
         kept = draw(v, key);
         vec3 value = carried(v, kept);
         float sum = luminance(value) * kept.ucw;

@@ -4,7 +4,6 @@
 #include "../../../passes/ReSTIRDI/participants.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { ReSTIRDIParameters params; };
 
 /// The reservoir with which a participant would hold the point: the kernel of its own frame stores the target as its
 /// camera saw the surface.
@@ -77,9 +76,9 @@ void main()
         merge.reservoirs = LightReservoirArray(merge.previous ? params.history : params.source);
         merge.pairwise = params.pairwise != 0u;
         if (!merge.previous)
-            add_around(params, key, at);
+            add_around(key, at);
         else if (frame.c.reset == 0u)
-            add_previous(params, key, at, hit, Vec2Image(params.motion).at[pixel]);
+            add_previous(key, at, hit, Vec2Image(params.motion).at[pixel]);
         if (merge.count > 0u)
             sums = probe();
     }
