@@ -107,49 +107,58 @@ float fit_alpha(GuidingMemory sums)
     return clamp((params.alphaPrior + sums.bsdf) / (2.0 * params.alphaPrior + sums.count), LEAST_ALPHA, 1.0 - LEAST_ALPHA);
 }
 
-void fit_cell(uint slot, uint64_t key)
-{
-    GuidingGrid grid = GuidingHeaderRef(params.statistics).at.grid;
-    GuidingHeaderRef header = GuidingHeaderRef(params.guide);
-    GuidingMemory sums = load_sums(slot);
-    atomicAdd(header.at.cells, 1u);
-    atomicAdd(header.at.samples, uint(sums.count));
+/// A cell as it leaves the frame.
+struct FittedCell {
+    VmfMixture mixture;
+    float alpha;
+    uint age;  ///< frames since it was fitted
+    float samples;  ///< that it was fitted to; 0: it does not guide
+    GuidingMemory memory;
+};
 
-    uint before = find_previous_slot(params.history, grid, key);
-    VmfMixture mixture = new_mixture(face_normal(key_face(key)));
-    float alpha = NEW_ALPHA;
-    uint age = 0u;
-    float fitted_to = 0.0;
-    if (before != INVALID_INDEX) {
-        GuidingCell cell = guiding_cells(params.history, params.capacity).at[before];
-        mixture = unpack_mixture(cell);
-        alpha = cell_alpha(cell);
-        age = cell_age(cell) + 1u;
-        fitted_to = cell.samples;
-        if (params.remembers != 0u)
-            add_memory(sums, guiding_memories(params.history, params.capacity).at[before], 1.0);
-    }
-    float keep = params.keepsSamples != 0u ? 1.0 : params.decay;
+GuidingMemory times(GuidingMemory m, float factor)
+{
+    add_memory(m, m, factor - 1.0);
+    return m;
+}
+
+/// Fit a cell to its sums, if these are enough samples; else it is what it was, until it is too old.
+FittedCell refit(PreviousCell before, GuidingMemory sums, uint64_t strangest)
+{
     GuidingMemory lasting = sums;
     if (sums.count >= params.minimum) {
-        mixture = fit(sums, mixture, guiding_sums(params.statistics, params.capacity).at[slot].strangest, lasting);
-        if ((GuidingHeaderRef(params.statistics).at.options & GUIDING_ALPHA) != 0u)
-            alpha = fit_alpha(sums);
-        age = 0u;
-        fitted_to = sums.count;
-        keep = params.decay;
-        atomicAdd(header.at.fitted, 1u);
-    } else if (age > params.oldest) {
-        fitted_to = 0.0;
+        VmfMixture mixture = fit(sums, before.mixture, strangest, lasting);
+        bool learns_alpha = (GuidingHeaderRef(params.statistics).at.options & GUIDING_ALPHA) != 0u;
+        return FittedCell(mixture, learns_alpha ? fit_alpha(sums) : before.alpha, 0u, sums.count, times(lasting, params.decay));
     }
-    if (fitted_to > 0.0)
-        atomicAdd(header.at.guiding, 1u);
+    uint age = before.slot != INVALID_INDEX ? before.age + 1u : 0u;
+    float keep = params.keepsSamples != 0u ? 1.0 : params.decay;
+    return FittedCell(before.mixture, before.alpha, age, age > params.oldest ? 0.0 : before.samples, times(lasting, keep));
+}
+
+void store_cell(uint slot, uint64_t key, FittedCell cell)
+{
     GuidingKeyArray(guiding_keys(params.guide)).at[slot] = key;
-    guiding_cells(params.guide, params.capacity).at[slot] = pack_mixture(mixture, alpha, age, fitted_to);
-    if (params.remembers != 0u) {
-        add_memory(lasting, lasting, keep - 1.0);  // times keep
-        guiding_memories(params.guide, params.capacity).at[slot] = lasting;
-    }
+    guiding_cells(params.guide, params.capacity).at[slot] = pack_mixture(cell.mixture, cell.alpha, cell.age, cell.samples);
+    if (params.remembers != 0u)
+        guiding_memories(params.guide, params.capacity).at[slot] = cell.memory;
+}
+
+void fit_cell(uint slot, uint64_t key)
+{
+    GuidingMemory sums = load_sums(slot);
+    GuidingHeaderRef header = GuidingHeaderRef(params.guide);
+    atomicAdd(header.at.cells, 1u);
+    atomicAdd(header.at.samples, uint(sums.count));
+    PreviousCell before = load_previous(params.history, GuidingHeaderRef(params.statistics).at.grid, key);
+    if (before.slot != INVALID_INDEX && params.remembers != 0u)
+        add_memory(sums, guiding_memories(params.history, params.capacity).at[before.slot], 1.0);
+    if (sums.count >= params.minimum)
+        atomicAdd(header.at.fitted, 1u);
+    FittedCell cell = refit(before, sums, guiding_sums(params.statistics, params.capacity).at[slot].strangest);
+    if (cell.samples > 0.0)
+        atomicAdd(header.at.guiding, 1u);
+    store_cell(slot, key, cell);
 }
 
 void main()

@@ -86,12 +86,12 @@ void add_sample(GuidingGrid grid, Sample s)
         look_from(s, key_center(grid, key) - position);
     vec3 w = s.direction;
     float log_density;
-    float alpha;
-    vec4 shares = responsibilities(previous_mixture(params.guide, grid, key, alpha), w, log_density);
+    PreviousCell cell = load_previous(params.guide, grid, key);
+    vec4 shares = responsibilities(cell.mixture, w, log_density);
     GuidingSumsArray sums = guiding_sums(params.statistics, params.capacity);
     if (learns_alpha()) {
-        float by_bsdf = alpha * vertex_density(s.vertex);
-        by_bsdf /= by_bsdf + (1.0 - alpha) * exp(log_density);
+        float by_bsdf = cell.alpha * vertex_density(s.vertex);
+        by_bsdf /= by_bsdf + (1.0 - cell.alpha) * exp(log_density);
         atomicAdd(sums.at[slot].bsdf, uint64_t(to_fixed(s.weight * by_bsdf)));
         shares *= 1.0 - by_bsdf;
     }

@@ -45,16 +45,22 @@ float cell_alpha(GuidingCell cell)
 /// Probability of the BSDF where nothing has been learnt.
 const float NEW_ALPHA = 0.5;
 
-/// That of the cell that served the place, or where a new cell starts; with its probability of the BSDF.
-VmfMixture previous_mixture(Address guide, GuidingGrid grid, uint64_t key, out float alpha)
+/// What served a cell's place in the frame before.
+struct PreviousCell {
+    uint slot;  ///< INVALID_INDEX: none did, and the rest is where a new cell starts
+    VmfMixture mixture;
+    float alpha;  ///< probability of the BSDF
+    uint age;  ///< frames since it was fitted, at that frame's end
+    float samples;  ///< that it was fitted to
+};
+
+PreviousCell load_previous(Address guide, GuidingGrid grid, uint64_t key)
 {
     uint slot = find_previous_slot(guide, grid, key);
-    alpha = NEW_ALPHA;
     if (slot == INVALID_INDEX)
-        return new_mixture(face_normal(key_face(key)));
+        return PreviousCell(slot, new_mixture(face_normal(key_face(key))), NEW_ALPHA, 0u, 0.0);
     GuidingCell cell = guiding_cells(guide, GuidingHeaderRef(guide).at.capacity).at[slot];
-    alpha = cell_alpha(cell);
-    return unpack_mixture(cell);
+    return PreviousCell(slot, unpack_mixture(cell), cell_alpha(cell), cell_age(cell), cell.samples);
 }
 
 #endif
