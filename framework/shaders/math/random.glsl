@@ -61,6 +61,12 @@ vec4 unit_floats(uvec4 bits)
     return vec4(bits >> 8u) * (1.0 / 16777216.0);
 }
 
+/// Four fresh numbers in [0, 1) from four that have been used.
+vec4 hashed_numbers(vec4 u)
+{
+    return unit_floats(pcg4d(floatBitsToUint(u)));
+}
+
 /// The four numbers at an address, in [0, 1).
 vec4 random4(RandomKey key, uint bounce, uint dimension)
 {

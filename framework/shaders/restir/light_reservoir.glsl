@@ -47,8 +47,7 @@ bool sample_light_point(vec4 u, out LightPoint point)
     if (light.type == LIGHT_TRIANGLE)
         point = point_on_triangle(light.instance, light.triangle, sample_emission(light, u));
     else if (light.type == LIGHT_ENVIRONMENT)
-        // A texel and a place in it need four fresh numbers: those of u, hashed.
-        point = point_in_environment(sample_environment(unit_floats(pcg4d(floatBitsToUint(u)))));
+        point = point_in_environment(sample_environment(hashed_numbers(u)));  // a texel, and a place in it
     else
         point = LightPoint(INVALID_INDEX, index, vec2(0.0));
     return true;
@@ -58,10 +57,7 @@ LightEdge edge_to_triangle(LightPoint point, vec3 x, bool previous)
 {
     Instance placed = load_instance(point.instance);
     MeshTriangle triangle = load_triangle(placed, point.index);
-    mat4x3 pose = placed.objectToWorld;
-    if (previous)
-        pose = load_previous_pose(point.instance);
-    WorldTriangle t = place_triangle(placed, load_corners(triangle.vertices), pose);
+    WorldTriangle t = place_triangle(placed, load_corners(triangle.vertices), load_pose(point.instance, placed, previous));
     LightEdge e;
     e.position = point_on(t, point.place);
     vec3 d = e.position - x;

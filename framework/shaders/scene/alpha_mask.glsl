@@ -18,13 +18,8 @@ bool passes_alpha_mask(MeshTriangle triangle, vec2 barycentrics)
     // Differences, so that equal corners give exactly their alpha: it may equal the cutoff.
     float alpha = material.alpha * (corner.x + dot(barycentrics, corner.yz - corner.x));
     TextureRef map = load_map(material_index, MAP_BASE_COLOR);
-    if (map.index != INVALID_INDEX) {
-        vec3 weight = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
-        Corners corners = load_corners(index);
-        vec2 uv0 = mat3x2(corners.a.uv0, corners.b.uv0, corners.c.uv0) * weight;
-        vec2 uv1 = mat3x2(extras.at[index.x].uv1, extras.at[index.y].uv1, extras.at[index.z].uv1) * weight;
-        alpha *= fetch_texture(map, uv0, uv1).a;
-    }
+    if (map.index != INVALID_INDEX)
+        alpha *= fetch_texture_on(map, index, barycentrics).a;
     return alpha >= material.alphaCutoff;
 #else
     return true;

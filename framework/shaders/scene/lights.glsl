@@ -37,18 +37,6 @@ struct Emission {
     vec3 absorption;  ///< sigma_a on that side, 1/m: behind the surface of a solid
 };
 
-/// The texture's part of an emitter's radiance.
-vec3 textured_emission(uint material_index, uvec3 index, vec2 barycentrics)
-{
-    TextureRef map = load_map(material_index, MAP_EMISSIVE);
-    vec3 weight = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
-    VertexExtrasArray extras = VertexExtrasArray(SCENE.vertexExtras);
-    Corners corners = load_corners(index);
-    vec2 uv0 = mat3x2(corners.a.uv0, corners.b.uv0, corners.c.uv0) * weight;
-    vec2 uv1 = mat3x2(extras.at[index.x].uv1, extras.at[index.y].uv1, extras.at[index.z].uv1) * weight;
-    return fetch_texture(map, uv0, uv1).rgb;
-}
-
 /// What a triangle of a placed mesh emits at a point of it: nothing where an alpha mask takes it away. `front`: to the side its winding faces.
 Emission emit_from_triangle(MeshTriangle triangle, vec2 barycentrics, bool front)
 {
@@ -59,7 +47,7 @@ Emission emit_from_triangle(MeshTriangle triangle, vec2 barycentrics, bool front
         return Emission(vec3(0.0), vec3(0.0));
     Emission e = Emission(material.emission, front ? vec3(0.0) : material.absorption);
     if ((material.flags & MATERIAL_EMISSION_TEXTURED) != 0u)
-        e.radiance *= textured_emission(index, triangle.vertices, barycentrics);
+        e.radiance *= fetch_texture_on(load_map(index, MAP_EMISSIVE), triangle.vertices, barycentrics).rgb;
     return e;
 }
 
@@ -106,12 +94,12 @@ float emission_density(Light light, vec2 barycentrics)
     return ImportanceCellArray(SCENE.emissionCells).at[light.cells + emission_part(barycentrics, light.cellsASide)].pdf;
 }
 
-/// A point of a triangle light: uniform, or where a texture makes it bright. The latter needs four numbers: those of u, hashed.
+/// A point of a triangle light: uniform, or where a texture makes it bright.
 vec2 sample_emission(Light light, vec4 u)
 {
     if (light.cells == INVALID_INDEX)
         return sample_triangle(u.zw);
-    vec4 fresh = unit_floats(pcg4d(floatBitsToUint(u)));
+    vec4 fresh = hashed_numbers(u);
     uint side = light.cellsASide;
     uint part = sample_cell(ImportanceCellArray(SCENE.emissionCells), light.cells, side * side, fresh.xy);
     return sample_part(part, side, fresh.zw);
@@ -245,8 +233,7 @@ LightSample sample_light(vec3 x, vec4 u)
         return connect_triangle_light(index, light, sample_emission(light, u), x);
     if (light.type != LIGHT_ENVIRONMENT)
         return connect_punctual_light(index, light, x);
-    // The environment needs four fresh numbers (texel, place in it): those of u, hashed.
-    return connect_environment(sample_environment(unit_floats(pcg4d(floatBitsToUint(u)))));
+    return connect_environment(sample_environment(hashed_numbers(u)));  // a texel, and a place in it
 }
 
 #endif

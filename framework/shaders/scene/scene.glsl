@@ -44,10 +44,12 @@ Instance load_instance(uint index)
     return Instance(matrix_of(record), a.x, a.y, b.x, b.y);
 }
 
-/// objectToWorld of the frame before.
-mat4x3 load_previous_pose(uint instance)
+/// objectToWorld of an instance, or with `previous` that of the frame before.
+mat4x3 load_pose(uint instance, Instance placed, bool previous)
 {
-    return matrix_of(record_at(SCENE.previousPoses, instance, POSE_BYTES));
+    if (previous)
+        return matrix_of(record_at(SCENE.previousPoses, instance, POSE_BYTES));
+    return placed.objectToWorld;
 }
 
 MeshTriangle load_triangle(Instance placed, uint triangle)
@@ -115,6 +117,17 @@ vec4 fetch_texture(TextureRef map, vec2 uv0, vec2 uv1)
 {
     vec3 uv = vec3(map.uvSet == 0u ? uv0 : uv1, 1.0);
     return sample_texture(map.index, vec2(dot(map.row0, uv), dot(map.row1, uv)));
+}
+
+/// A texture at a point of a triangle of these vertices.
+vec4 fetch_texture_on(TextureRef map, uvec3 vertices, vec2 barycentrics)
+{
+    vec3 weight = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
+    VertexExtrasArray extras = VertexExtrasArray(SCENE.vertexExtras);
+    Corners corners = load_corners(vertices);
+    vec2 uv0 = mat3x2(corners.a.uv0, corners.b.uv0, corners.c.uv0) * weight;
+    vec2 uv1 = mat3x2(extras.at[vertices.x].uv1, extras.at[vertices.y].uv1, extras.at[vertices.z].uv1) * weight;
+    return fetch_texture(map, uv0, uv1);
 }
 
 #endif

@@ -38,9 +38,7 @@ void load_extras(uvec3 vertices, vec3 weight, Instance placed, mat4x3 to_world, 
 Surface load_surface(Hit hit, bool previous)
 {
     Instance placed = load_instance(hit.instance);
-    mat4x3 to_world = placed.objectToWorld;
-    if (previous)
-        to_world = load_previous_pose(hit.instance);
+    mat4x3 to_world = load_pose(hit.instance, placed, previous);
     MeshTriangle record = load_triangle(placed, hit.triangle);
     Corners corners = load_corners(record.vertices);
     WorldTriangle triangle = place_triangle(placed, corners, to_world);
