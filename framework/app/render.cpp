@@ -34,7 +34,7 @@ struct RenderOptions {
     uint32_t keepEvery = 0;  ///< frames; 0: only at the end
     std::string exr;
     std::string png;
-    /// Of the graph or its passes, the first is the picture; empty: all of the graph's
+    /// Outputs of the graph or of its passes, the first is the picture; empty: all of the graph's
     std::vector<std::string> outputs;
     std::string reference;
     std::optional<std::string> environment;  ///< in place of the scene's
@@ -211,7 +211,7 @@ void checkReferenceHeader(const RenderOptions& options, const Scene& scene)
         warnOfEnvironment(options, header, scene);
 }
 
-/// Of the view, what the reference has otherwise.
+/// Warns of a reference that shows another view: says what differs.
 void warnOfView(const RenderOptions& options, const Renderer& renderer)
 {
     if (options.reference.empty())

@@ -17,7 +17,7 @@ enum class Breaks { kept, escaped };
 /// \u202e, \xff.
 std::string escaped(std::string_view text, Breaks breaks = Breaks::escaped);
 
-/// Of a text from a file, what belongs in a message: escaped, and no more than the first `longest` bytes in whole
+/// What a message says of a text from a file: escaped, and no more than the first `longest` bytes in whole
 /// characters.
 std::string printable(std::string_view text, size_t longest = 200);
 

@@ -7,7 +7,7 @@
 
 namespace restirpg {
 
-/// Of these bytes, continued from `hash`.
+/// The hash of these bytes, continued from `hash`.
 inline uint64_t hashBytes(const void* data, size_t bytes, uint64_t hash = 0xcbf29ce484222325ull)
 {
     const auto* next = static_cast<const unsigned char*>(data);
@@ -16,7 +16,7 @@ inline uint64_t hashBytes(const void* data, size_t bytes, uint64_t hash = 0xcbf2
     return hash;
 }
 
-/// Of all that was added. Texts are told apart from their concatenation.
+/// The hash of all that was added. Texts are told apart from their concatenation.
 class Hash {
 public:
     void add(const void* data, size_t bytes) { value_ = hashBytes(data, bytes, value_); }

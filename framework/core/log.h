@@ -10,7 +10,7 @@
 
 namespace restirpg {
 
-/// Of one kind of warning, as many are said; the others are counted, and the count is said when the process ends.
+/// So many warnings of a kind are said; the others are counted, and the count is said when the process ends.
 constexpr size_t WARNINGS_SAID = 10;
 
 /// `text` as it is, to standard error. What cannot be written there is lost: a terminal that was closed, or a full

@@ -42,7 +42,7 @@ private:
     std::filesystem::path file_;
     Defines defines_;
     Includes includes_;
-    // Of the device's defines as they are: pipeline() follows them.
+    // Compiled with the device's defines as they are: pipeline() follows them.
     mutable std::shared_future<std::shared_ptr<const Pipeline>> pipeline_;
     mutable uint32_t generation_ = 0;
 };

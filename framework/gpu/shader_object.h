@@ -53,7 +53,7 @@ namespace restirpg {
 /// threads at once.
 class ShaderObjects {
 public:
-    /// Of no device.
+    /// The extension on no device.
     ShaderObjects() = default;
     /// `device` must have been made with the extension.
     explicit ShaderObjects(VkDevice device);

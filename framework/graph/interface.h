@@ -31,7 +31,7 @@ struct PortType {
     std::function<uint64_t()> pixelBytes = {};
     /// GLSL that comes with the resource (how to read a guide): the reader compiles it in, see In::module
     std::string module = {};
-    /// Of an output: the name of all types like it ("Guide"); an input of that name takes any of them
+    /// An output's type: the name of all types like it ("Guide"); an input of that name takes any of them
     std::string family = {};
     /// When set, bytes of one item: the resource is an array of them, which kernels index by 32 bits
     uint32_t itemBytes = 0;
@@ -59,14 +59,14 @@ struct In {
     bool wired = false;  ///< set with the graph, before Pass::check
     const Resource* resource = nullptr;  ///< of this frame
     std::string module;  ///< PortType::module of the output wired to it; set before Pass::build
-    /// Of the output wired to it, bytes per pixel of the image as its maker's knobs are now; set with the graph, before
+    /// Bytes that the output wired to it has per pixel, as its maker's knobs are now; set with the graph, before
     /// Pass::check.
     std::function<uint64_t()> pixelBytes = [] { return uint64_t(0); };
     /// A delayed input without history (first frame, after a start or a cut): its buffer is zeroed
     bool empty = false;
     explicit operator bool() const { return wired; }
     const Resource* operator->() const { return resource; }
-    /// Of an input of type anyPerPixel: how many T there are per pixel.
+    /// How many T an input of type anyPerPixel has per pixel.
     template <typename T>
     uint32_t countPerPixel() const
     {

@@ -5,7 +5,8 @@
 
 namespace restirpg {
 
-/// Of linear, unclamped images of one size, 3 channels. Y = 0.2126 R + 0.7152 G + 0.0722 B (Rec.709).
+/// What two linear, unclamped images of one size and 3 channels differ by. Y = 0.2126 R + 0.7152 G + 0.0722 B
+/// (Rec.709).
 struct Errors {
     /// Mean over pixels and channels of |I - R| / (0.01 mean(Y_R) + Y_R).  [Zeng et al. 2025, footnote 4]
     double mape;

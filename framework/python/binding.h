@@ -24,7 +24,7 @@ using FloatArray = py::array_t<float, py::array::c_style | py::array::forcecast>
 
 /// (H, W, C) array that takes over the image's memory.
 py::array_t<float> toArray(Image&& image);
-/// Of an (H, W) or (H, W, C) array; throws Error naming `what` for other shapes.
+/// The image in an (H, W) or (H, W, C) array; throws Error naming `what` for other shapes.
 Image toImage(const FloatArray& array, const std::string& what);
 
 /// Dictionaries, lists, numbers and text.

@@ -34,7 +34,7 @@ Executor::~Executor()
     vkDestroyQueryPool(device_.handle(), queries_, nullptr);
 }
 
-/// Of one buffer of an output of `pass`, whose knobs tell its size.
+/// The bytes of one buffer of an output of `pass`, whose knobs tell its size.
 uint64_t Executor::copyBytes(const PlannedResource& plan, const GraphPass& pass) const
 {
     constexpr uint64_t MOST_ITEMS = (1ull << 32) - 1;

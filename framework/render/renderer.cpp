@@ -91,7 +91,7 @@ const Graph& Renderer::graph() const
     return executor_->graph();
 }
 
-/// Of the next frame, whose nodes stand so.
+/// The constants of the next frame, whose nodes stand so.
 FrameConstants Renderer::constants(const std::vector<glm::mat4>& pose) const
 {
     FrameConstants constants{};
@@ -137,7 +137,7 @@ void Renderer::render(uint32_t frames)
     }
 }
 
-/// Of the next frame.
+/// The next frame's time, s.
 float Renderer::time() const
 {
     const double rate = options_.framesPerSecond;
@@ -208,7 +208,7 @@ CameraPose Renderer::camera() const
     return poseOf(scene_->cameras[scene_->camera]);
 }
 
-/// Of a camera node now; the target is one metre ahead.
+/// Where a camera node stands now; the target is one metre ahead.
 CameraPose Renderer::poseOf(const CameraNode& camera) const
 {
     const auto toWorld = poseNodes(*scene_, time(), overrides_)[camera.node];

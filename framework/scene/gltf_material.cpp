@@ -178,7 +178,7 @@ private:
                 factors_.number(number(*strength, "emissiveStrength", 1), "emissiveStrength", 0, 1e30f);
         if (material.emission != glm::vec3(0))
             material.flags |= MATERIAL_EMISSIVE;
-        // Of a dark emitter too: an edit may light it.
+        // A dark emitter has its map, too: an edit may light it.
         material.emissiveMap = reference(coreInfo(source.emissiveTexture), true);
     }
 

@@ -29,7 +29,7 @@ struct LightTable {
     uint32_t environmentLight = INVALID_INDEX;
     bool lit = false;  ///< some light has power in this pose, so that one can be selected
 
-    // Of the host: what the powers are made from.
+    // What the host makes the powers from.
     /// Power of a punctual light, W; else power over area or over the scene's disk, W/m^2
     std::vector<double> strengths;
     std::vector<double> powers;  ///< W, as the alias table has them

@@ -32,7 +32,7 @@ struct ChainHeader {
 
 /// What this frame's samples propose to the chains of a cell.
 struct ChainProposals {
-    /// Of the sample that a chain is to move to: its bid (upper half), then its number times 2, plus 1 for one that the
+    /// The sample that a chain is to move to: its bid (upper half), then its number times 2, plus 1 for one that the
     /// BSDF explains. 0: none
     Address best[4];
     Address weights[4];  ///< sum of the weights of all samples that fell to the chain, fixed point

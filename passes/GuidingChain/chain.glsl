@@ -31,7 +31,7 @@ bool has_lobe(ChainCell cell)
     return false;
 }
 
-/// Of the lobe of a state that is seen from so far, m. Few samples make a wide lobe, the wider the nearer the target is.
+/// The concentration of a state's lobe, seen from a distance in m. Few samples make a wide lobe, the wider the nearer the target is.
 float chain_kappa(ChainState s, float distance, float prior, float largest)
 {
     float n = s.samples * s.samples;

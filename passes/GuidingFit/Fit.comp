@@ -8,7 +8,7 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { GuidingFitParameters params; };
 
-/// Of alpha, and of 1 - alpha.
+/// Neither alpha nor 1 - alpha becomes less.
 const float LEAST_ALPHA = 0.1;
 
 /// The frame's sums, scaled so that the shares add up to the count of the samples: whatever unit the weights have [shaders/README: The MAP fit].

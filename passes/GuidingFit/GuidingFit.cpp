@@ -10,7 +10,7 @@ public:
     {
         const PortType layout = guide("GridGuide", fixedSize("", [this] { return bytes(); }), passFile("guide.glsl"));
         io.input("statistics", statistics_,
-                 // Of GuidingSplat with the same knobs.
+                 // What GuidingSplat with the same knobs makes.
                  fixedSize("GuidingStatistics", [this] { return gridStatisticsBytes(capacity(), parallax_); }),
                  "GuidingSplat's sums of this frame");
         io.ofThisFrame();

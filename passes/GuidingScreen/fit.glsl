@@ -8,7 +8,7 @@
 /// distribution's 1/12.
 const float SMALLEST_VARIANCE = 1e-4;
 const float LARGEST_VARIANCE = 0.1;
-/// Of the most concentrated vMF lobe.
+/// That of the most concentrated vMF lobe.
 const float LARGEST_KAPPA = 1e4;
 /// Weights are kept between the inverse of this and this, so that their squares are finite and not zero.
 const float LARGEST_WEIGHT = 1e15;

@@ -69,7 +69,7 @@ void add_neighbour(uint pixel, float confidence)
     merge.total += confidence;
 }
 
-/// Of a neighbour.
+/// The pixel of a neighbour.
 uint pixel_of(uint participant)
 {
     return list_get(merge.pixels, participant - 1u);
@@ -90,8 +90,8 @@ Domain load_domain(Hit hit, bool previous)
 }
 
 /// The light that a point sends to the camera in a participant's domain. `seen`: the point is known to be visible there.
-/// Of the frame before, no acceleration structure is left: the ray runs between the places where both ends stand today,
-/// so that neither hides behind itself.
+/// The acceleration structure is today's, also for a domain of the frame before: the ray runs between the places where
+/// both ends stand today, so that neither hides behind itself.
 vec3 light_at(uint participant, LightPoint y, bool seen)
 {
     Domain d = merge.centre;

@@ -17,7 +17,7 @@ void main()
     if (hit.instance == INVALID_INDEX)
         return;
     Neighbours neighbours = find_neighbours(at);
-    ShadingPoint here = load_domain(hit, false);
+    ShadingPoint here = domain_today(hit, false);
     [[dont_unroll]] for (uint i = 0u; i < params.rules.neighbours; ++i) {
         uint partner = list_get(neighbours.pixels, i);
         if (partner == INVALID_INDEX)

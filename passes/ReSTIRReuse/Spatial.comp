@@ -23,11 +23,11 @@ bool image_in(uint pixel, ShadingPoint domain, uint i, PathReservoir y, out Path
 Choice merge_neighbours(uvec2 at, uint centre, Hit hit, Neighbours neighbours, PathReservoir own)
 {
     Choice kept = begin_merge(own, centre);
-    ShadingPoint here = load_domain(hit, false);
+    ShadingPoint here = domain_today(hit, false);
     float others = neighbours.confidence;
     float total = own.confidence + others;
     float own_weight = own.confidence / total;
-    // Of each neighbour two images: the centre's path there, the neighbour's path here. One place calls the shift, for compilers copy
+    // Each neighbour makes two images: the centre's path there, the neighbour's path here. One place calls the shift, for compilers copy
     // its code to each.
     [[dont_unroll]] for (uint i = 0u; i < 2u * params.rules.neighbours; ++i) {
         bool outwards = (i & 1u) == 0u;
@@ -41,7 +41,7 @@ Choice merge_neighbours(uvec2 at, uint centre, Hit hit, Neighbours neighbours, P
         if (outwards) {
             y = own;
             to = pixel;
-            domain = load_domain(primary_hit(params.surface, pixel), false);
+            domain = domain_today(primary_hit(params.surface, pixel), false);
         }
         PathReservoir shifted;
         float jacobian;

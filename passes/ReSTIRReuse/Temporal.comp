@@ -28,7 +28,7 @@ Choice merge_history(uvec2 at, Hit hit, PathReservoir own, uint before)
         }
         PathReservoir shifted;
         float jacobian;
-        bool has_image = shift_to(y, load_domain(domain, present), shifted, jacobian);
+        bool has_image = shift_to(y, domain_today(domain, present), shifted, jacobian);
         float target = has_image ? luminance(shifted.f) * jacobian : 0.0;
         if (present && own.ucw > 0.0) {
             float share = present_share(own, target, own.confidence, history.confidence);

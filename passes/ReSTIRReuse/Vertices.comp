@@ -32,7 +32,7 @@ void write_bounce(uint first, uint u, uint label, uint material, ShadingPoint p,
 void write_prefix(PathReservoir r, Hit hit, uint first)
 {
     uint k = reconnection_index(r);
-    PartialPath path = begin_path(load_domain(hit, false));
+    PartialPath path = begin_path(domain_today(hit, false));
     uint material = load_surface(hit, false).material;
     for (uint u = 1u; u <= min(replayed_bounces(r), params.stride); ++u) {
         path.f = vec3(1.0);

@@ -16,7 +16,7 @@ RandomKey reuse_key(uvec2 at)
 /// A primary hit shaded for the camera of its frame. The surface stands where it stands today, as all that the shifts trace does: where
 /// it stood before may be inside of what has moved, from where no path leads anywhere, so that the history's light would be counted again
 /// with every frame.
-ShadingPoint load_domain(Hit hit, bool previous)
+ShadingPoint domain_today(Hit hit, bool previous)
 {
     Surface s = load_surface(hit, false);
     vec3 camera = previous ? frame.c.previousCamera.position : frame.c.camera.position;

@@ -59,14 +59,14 @@ struct BsdfParameters {
 };
 
 #if RESTIRPG_ENERGY_COMPENSATION
-/// Coefficients k of the multiple-scattering lobe f = k L(wo) L(wi) / pi (multiple_scattering.glsl), where L(w) is the
-/// share that single scattering loses. All 0 if alpha is 0.
+/// Coefficients k / <L> of the multiple-scattering lobe f = k L(wo) L(wi) / (pi <L>) (multiple_scattering.glsl), where L(w)
+/// is the share that single scattering loses and <L> its mean. All 0 if alpha is 0.
 struct MultipleScattering {
     Address table;
     EnergyRows near;  ///< rows of the table on wo's side
     EnergyRows far;  ///< on the other side
-    vec3 metal;  ///< k of the metal's share, with the losses of a rough mirror; both directions on wo's side
-    vec3 reflected;  ///< k of the transmitting dielectric, with its own losses; both directions on wo's side
+    vec3 metal;  ///< the metal's share, with the losses of a rough mirror; both directions on wo's side
+    vec3 reflected;  ///< the transmitting dielectric, with its own losses; both directions on wo's side
     vec3 across;  ///< the same, wi on the other side
 };
 #endif

@@ -1,10 +1,10 @@
 // The light that a rough surface scatters more than once, which single-scattering GGX loses: one more lobe, after Kulla & Conty 2017
 // ("Revisiting Physically Based Shading at Imageworks"). Part of bsdf_model.glsl, where RESTIRPG_ENERGY_COMPENSATION is on.
 //
-//   f = k L(wo) L(wi) / pi,   L(w) = 1 - (what single scattering returns of light from w), by the tables of energy.glsl
+//   f = k L(wo) L(wi) / (pi <L>),   L(w) = 1 - (what single scattering returns of light from w), by the tables of energy.glsl
 //
-// It is a product of one function of each direction, so reciprocity is exact. k spreads what was lost, mean(L), so that
-// a white surface returns 1 from every direction. It belongs to LOBE_DIFFUSE: drawn by the cosine, above or across. An
+// It is a product of one function of each direction, so reciprocity is exact. <L> is L's cosine-weighted mean: with k = 1 a white
+// surface returns 1 from every direction. MultipleScattering has k / <L>. It belongs to LOBE_DIFFUSE: drawn by the cosine, above or across. An
 // opaque dielectric needs no lobe of it: its base gets all that the coat does not reflect (coat_passage).
 #ifndef RESTIRPG_MULTIPLE_SCATTERING_GLSL
 #define RESTIRPG_MULTIPLE_SCATTERING_GLSL
@@ -28,7 +28,7 @@ float dielectric_loss(Bsdf b, vec4 energy)
     return max(1.0 - coat_energy(b, energy) - refracted, 0.0);
 }
 
-/// Factors of light that meets metal facets again and again: the series F^2 E / (1 - F (1 - E)), E the mean that returns at once.
+/// k / <L> of light that meets metal facets again and again: k is the series F^2 E / (1 - F <L>), E = 1 - <L> the mean that returns at once.
 vec3 metal_factor(Bsdf b, float mean)
 {
     vec3 f = b.metal + (1.0 - b.metal) / 21.0;  // Schlick's mean over the hemisphere

@@ -119,7 +119,7 @@ vec3 key_center(GuidingGrid grid, uint64_t key)
 
 uint key_slot(uint64_t key, uint capacity)
 {
-    // The lower bits of pcg4d depend on the lower bits of its input alone: neighbouring cells would crowd. Fold the upper ones in.
+    // The lower bits of pcg4d do not depend on the upper bits of its input: cells would crowd. Fold the upper ones in.
     uint hash = pcg4d(uvec4(uint(key), uint(key >> 32u), 0u, 0u)).x;
     return (hash ^ (hash >> 16u)) & (capacity - 1u);
 }

@@ -26,8 +26,8 @@ RESTIRPG_CONST GUIDING_LEVEL_SHIFT = 39u;
 RESTIRPG_CONST GUIDING_FACE_SHIFT = 44u;
 RESTIRPG_CONST GUIDING_MATERIAL_SHIFT = 47u;
 
-/// What keys are made from. A cell's side is the power of two times `smallest` below `scale` times its distance from
-/// the camera.
+/// What keys are made from. A cell's side is `smallest` times the largest power of two that keeps it at or below
+/// `scale` times its distance from the camera, and at least `smallest`.
 struct GuidingGrid {
     vec3 camera;  ///< of the frame in which the samples were splatted
     float scale;
@@ -56,7 +56,7 @@ struct GuidingHeader {
 /// responsibilities, a lobe.
 struct GuidingSums {
     Address lanes[16];  ///< lobe k: x, y, z, 1 from 4 k on
-    /// Of the sample that the mixture explains worst: how badly (upper half), and its packed direction
+    /// The sample that the mixture explains worst: how badly (upper half), and its packed direction
     Address strangest;
     Address bsdf;  ///< of the BSDF's responsibilities, with GUIDING_ALPHA
     uint count;  ///< samples

@@ -39,7 +39,8 @@ RandomKey tree_key(RandomKey key, uint tree)
     return RandomKey(key.pixel, key.frame ^ (tree << 28u) ^ (tree << 14u), key.seed);
 }
 
-/// Jarzynski & Olano 2020, "Hash Functions for GPU Rendering": a 4D -> 4D hash, all output bits usable.
+/// Jarzynski & Olano 2020, "Hash Functions for GPU Rendering": a 4D -> 4D hash. Bit b of the input reaches only the
+/// bits from b - 16 on of the output.
 uvec4 pcg4d(uvec4 v)
 {
     v = v * 1664525u + 1013904223u;

@@ -16,7 +16,7 @@ float log_one_plus(float z)
     return abs(z) < 0.1 ? z * (1.0 - z * (1.0 / 2.0 - z * (1.0 / 3.0 - z * (1.0 / 4.0 - z * (1.0 / 5.0 - z / 6.0))))) : log(1.0 + z);
 }
 
-/// Of less concentration a lobe is taken for uniform: single precision would lose its shape.
+/// A lobe of less concentration is taken for uniform: single precision would lose its shape.
 const float LEAST_KAPPA = 1e-3;
 
 /// Near 1 a mean cosine has too few digits left to tell larger concentrations apart.

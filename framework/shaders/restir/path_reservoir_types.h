@@ -27,8 +27,8 @@ struct PathReservoir {
     vec3 suffix;  ///< 0 < k < D: what lies beyond the bounce at x_k, as in f: bounces, absorption, light
 };
 
-/// Smooth bounces whose direction is kept; a path that would have to replay a later one cannot be shifted
-/// [shaders/README: What may reconnect].
+/// Bounces whose direction is kept where they are smooth; a path that would have to replay a later one cannot be
+/// shifted [shaders/README: What may reconnect].
 RESTIRPG_CONST PATH_PREFIX = 4u;
 /// Longest path: labels of 16 bounces.
 RESTIRPG_CONST PATH_MAX_EDGES = 17u;

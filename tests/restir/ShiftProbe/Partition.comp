@@ -110,7 +110,7 @@ void main()
     Hit hit = primary_hit(params.surface, pixel);
     vec4 result = vec4(0.0);
     if (hit.instance != INVALID_INDEX) {
-        here = load_domain(hit, false);
+        here = domain_today(hit, false);
         find_participants(at, PathReservoirArray(params.reservoirs).at[pixel]);
         if (pair_count > 0u)
             result = probe();

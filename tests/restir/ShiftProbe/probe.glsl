@@ -28,7 +28,7 @@ bool find_pair(uvec2 at, uint i, out uint pixel)
 ShadingPoint load_pair(uint pixel)
 {
     bool previous = params.way == WAY_PREVIOUS;
-    return load_domain(primary_hit(previous ? params.previousSurface : params.surface, pixel), previous);
+    return domain_today(primary_hit(previous ? params.previousSurface : params.surface, pixel), previous);
 }
 
 /// This pixel's domain and path, and the domain to shift it to; false: nothing to shift.
@@ -40,7 +40,7 @@ bool load_case(uvec2 at, out PathReservoir path, out ShadingPoint here, out Shad
     uint other = pixel;
     if (hit.instance == INVALID_INDEX || path.ucw <= 0.0 || (params.way != WAY_STAY && !find_pair(at, 0u, other)))
         return false;
-    here = load_domain(hit, false);
+    here = domain_today(hit, false);
     there = load_pair(other);
     return true;
 }
