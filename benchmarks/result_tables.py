@@ -10,8 +10,9 @@ A page marks a table by a comment, and this program writes the table below it:
 The file is the runs.csv of scripts/compare.py, or has its columns scene, method, seed or tile, and values, without
 frames. Columns are its scenes, rows its methods: the mean over seeds of the value at that frame, ± one standard error,
 and the change against a method, paired by seed or tile. `value` is a column of the file (mape, relmse; gpu_ms_total, in
-older files gpu_ms: per frame where the file has frames), `methods=a,b` and `scenes=a,b` choose and order, and a method's name as an option gives
-its row a title: restir_pt="no guiding". --check changes nothing and says which tables are not what their file says.
+older files gpu_ms: per frame, in a file without frames as it is), `methods=a,b` and `scenes=a,b` choose and order, and
+a method's name as an option gives its row a title: restir_pt="no guiding". --check changes nothing and says which
+tables are not what their file says.
 """
 
 import argparse
