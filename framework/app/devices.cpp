@@ -17,7 +17,7 @@ void addDevicesCommand(CLI::App& app)
     command->callback([] {
         const auto devices = listDevices();
         if (devices.empty())
-            fail("no Vulkan device found; install a driver, as mesa-vulkan-drivers 25.0 or newer for the CPU");
+            fail("no Vulkan device found; install a driver (for the CPU: mesa-vulkan-drivers >= 25)");
         Table table({"#", "name", "driver", "type", "back ends", "usable"});
         for (size_t i = 0; i < devices.size(); ++i) {
             const auto& device = devices[i];

@@ -261,7 +261,7 @@ double renderFrames(Renderer& renderer, const RenderOptions& options, const std:
 void printTimes(const Renderer& renderer, double seconds)
 {
     const uint32_t frames = renderer.frame();
-    Table table({"pass", "GPU ms a frame"});
+    Table table({"pass", "GPU ms/frame"});
     double total = 0;
     for (const auto& [pass, milliseconds] : renderer.totalGpuTimes()) {
         table.add({pass, fmt::format("{:.3f}", milliseconds / frames)});
@@ -388,9 +388,10 @@ void addOutputOptions(CLI::App& command, RenderOptions& options)
     command.add_option("-o,--out", options.exr, "EXR file: the first output as R, G, B, the others as layers");
     command.add_flag("--half", options.half, "Half floats in the EXR");
     command
-        .add_option("--output", options.outputs,
-                    "Write only this output of the graph, or this port of a pass, as albedo, normal, depth; may be "
-                    "repeated, the first is the picture")
+        .add_option(
+            "--output", options.outputs,
+            "Write only this output of the graph, or this port of a pass, such as albedo, normal, depth; may be "
+            "repeated, the first is the picture")
         ->allow_extra_args(false);
     command.add_option("--png", options.png, "PNG file of the first output");
     command.add_option("--exposure", options.display.exposure, "Exposure of the PNG in stops, -100 to 100");

@@ -298,8 +298,8 @@ Bvh build(std::span<const Box> boxes, uint32_t maxLeafSize, std::span<const Sour
         root = buildBalanced(primitives, balanced);
     }
     if (!root)
-        fail("the bounding volume hierarchy of {} {} could not be built (Embree error {}); is memory short, "
-             "or are they too many?",
+        fail("the bounding volume hierarchy of {} {} could not be built (Embree error {}); free memory, or "
+             "use a smaller scene",
              boxes.size(), maxLeafSize == 1 ? "instances" : "triangles", int(error));
 
     if (root->first) {  // twice the same leaf, the second seen as a point that most rays miss

@@ -36,7 +36,7 @@ size_t findDevice(const std::vector<DeviceDescription>& devices, const std::stri
 size_t chooseDevice(const std::vector<DeviceDescription>& devices, const std::string& wanted)
 {
     if (devices.empty())
-        fail("no Vulkan device on this machine; install a driver (for the CPU: mesa-vulkan-drivers >= 25)");
+        fail("no Vulkan device found; install a driver (for the CPU: mesa-vulkan-drivers >= 25)");
     if (wanted.empty())
         return size_t(std::min_element(devices.begin(), devices.end(),
                                        [](const auto& a, const auto& b) { return rank(a) < rank(b); }) -

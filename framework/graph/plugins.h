@@ -39,7 +39,7 @@ auto runPlugin(const std::string& label, Action action)
     } catch (const std::exception& error) {
         throw Error(label + escaped(error.what()));
     } catch (...) {
-        throw Error(label + "it threw what is no std::exception");
+        throw Error(label + "it threw something that is not a std::exception");
     }
 }
 

@@ -43,7 +43,7 @@ nlohmann::json toJson(const py::object& value)
     } catch (const py::error_already_set& error) {
         if (!error.matches(PyExc_TypeError) && !error.matches(PyExc_ValueError))
             throw;
-        failAs<WrongValue>("{} is no number, truth value or text", py::repr(value).cast<std::string>());
+        failAs<WrongValue>("{} is not a number, truth value or text", py::repr(value).cast<std::string>());
     }
 }
 

@@ -17,7 +17,7 @@ constexpr const char* RENDERER = R"(A scene, a graph and a device, rendering fra
 scene: from load_scene. graph: from load_graph, or a restirpg.Graph, or its description as a dictionary.
 size: (width, height) in pixels. seed: of all random numbers; the same seed gives the same bytes on the same device.
 device: number or part of the name as `restirpg devices` lists them; None: the best one. backend: "software", "rayquery"
-or None for what suits the device. validation: run under the Vulkan validation layer. fps: frames a second of scene time;
+or None for what suits the device. validation: run under the Vulkan validation layer. fps: frames per second of scene time;
 0: the scene stands still. time: of the first frame, s. energy_compensation: rough metal and glass give back the light that
 single-scattering GGX loses. outputs: more outputs than the graph has: ports of its passes, as "albedo", "normal" and "depth",
 or "pass.port" where several passes have a port of that name. They cost nothing where they are not asked for. window: (x, y,
@@ -91,7 +91,7 @@ nlohmann::json describe(const py::object& graph)
         return toJson(graph.attr("description")());
     if (py::isinstance<py::dict>(graph))
         return toJson(graph);
-    failAs<WrongValue>("{} is no graph; give what load_graph returns, a restirpg.Graph or a dictionary",
+    failAs<WrongValue>("{} is not a graph; give what load_graph returns, a restirpg.Graph or a dictionary",
                        py::repr(graph).cast<std::string>());
 }
 

@@ -59,10 +59,10 @@ void checkOptions(const RendererOptions& options)
     if (options.window)
         checkWindow(*options.window, options);
     checkTime(options.time);
-    constexpr float SLOWEST = 1e-6f;  // frames a second: a frame still takes finite time
+    constexpr float SLOWEST = 1e-6f;  // frames per second: a frame still takes finite time
     if (!std::isfinite(options.framesPerSecond) ||
         (options.framesPerSecond != 0 && !(options.framesPerSecond >= SLOWEST)))
-        failAs<WrongValue>("{} frames a second: must be 0, where the scene stands still, or finite and at least {}",
+        failAs<WrongValue>("{} frames per second: must be 0, where the scene stands still, or finite and at least {}",
                            options.framesPerSecond, SLOWEST);
 }
 
@@ -228,8 +228,9 @@ std::vector<std::pair<std::string, CameraPose>> Renderer::sceneCameras() const
 void Renderer::moveCamera(const CameraPose& pose)
 {
     if (!(pose.yfov > 0 && pose.yfov < LARGEST_YFOV))
-        failAs<WrongValue>("a vertical field of view of {} radians is no pinhole camera; give one between 0 and {}",
-                           pose.yfov, LARGEST_YFOV);
+        failAs<WrongValue>(
+            "a pinhole camera cannot have a vertical field of view of {} radians; give one between 0 and {}", pose.yfov,
+            LARGEST_YFOV);
     lookMatrix(pose, scene_->origin);  // refuses poses that span no view
     cameraOverride_ = pose;
 }

@@ -263,7 +263,8 @@ Camera makeCamera(const CameraNode& camera, const glm::mat4& nodeToWorld, float 
     const auto right = glm::cross(upward, backward);
     const float scale = glm::length(upward) * glm::length(backward);
     if (!(glm::length(right) > 1e-6f * scale) || !std::isfinite(scale))
-        fail("camera '{}': its node's matrix is singular, so that it looks nowhere; give the node a proper rotation",
+        fail("camera '{}': its node's matrix is singular, so that it has no viewing direction; give the node a proper "
+             "rotation",
              camera.name);
     const float halfHeight = std::tan(0.5f * camera.yfov);
     Camera result;

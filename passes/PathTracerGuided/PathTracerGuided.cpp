@@ -63,8 +63,8 @@ public:
     void check() const override
     {
         if (wantsTree() && bounces_ > MAX_CANDIDATE_BOUNCES)
-            fail("candidates hold paths of at most {} bounces, 'bounces' is {}; set it lower", MAX_CANDIDATE_BOUNCES,
-                 bounces_);
+            fail("with candidates, vertices or samples in use 'bounces' is at most {}, not {}; set it lower",
+                 MAX_CANDIDATE_BOUNCES, bounces_);
     }
 
     void build(Device& device) override

@@ -224,7 +224,7 @@ TEST(GraphPlugins, ACodeThatThrowsIsNamed)
     EXPECT_EQ(alone("Made"), "g.py:1: pass 'it' (Made) cannot be created: bad day");
     EXPECT_EQ(alone("Described"), "g.py:1: pass 'it' (Described) describes itself wrongly: bad day");
     EXPECT_EQ(alone("Number"),
-              "g.py:1: pass 'it' (Number) describes itself wrongly: it threw what is no std::exception");
+              "g.py:1: pass 'it' (Number) describes itself wrongly: it threw something that is not a std::exception");
     EXPECT_EQ(alone("Checked"), "g.py:1: pass 'it' (Checked): bad day");
     EXPECT_EQ(alone("Measured"), "g.py:1: pass 'it' (Measured): bad day");
     EXPECT_EQ(alone("None"), "g.py:1: pass 'it' (None) cannot be created: its plugin gave none");

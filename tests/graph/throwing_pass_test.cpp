@@ -152,7 +152,7 @@ TEST(ThrowingPass, IsNamedWhenItBuilds)
     EXPECT_EQ(messageOf([&] {
                   Executor(device, graphOf({{"built", "number"}}), 8, 8, {});
               }),
-              "g.py:1: pass 'it' (Throwing): it threw what is no std::exception");
+              "g.py:1: pass 'it' (Throwing): it threw something that is not a std::exception");
     EXPECT_EQ(device.allocatedBytes(), 0u);
 }
 
@@ -181,7 +181,7 @@ TEST(ThrowingPass, IsNamedWhenItRecordsOrIsBuiltAnewAndRunsAfterwards)
     EXPECT_EQ(messageOf(run), "g.py:1: pass 'it' (Throwing): bad\\nday\\x1b");
     EXPECT_EQ(executor.latest(0, 0), first);
     executor.setKnob(pass, "recorded", "number");
-    EXPECT_EQ(messageOf(run), "g.py:1: pass 'it' (Throwing): it threw what is no std::exception");
+    EXPECT_EQ(messageOf(run), "g.py:1: pass 'it' (Throwing): it threw something that is not a std::exception");
     executor.setKnob(pass, "recorded", "fine");
     EXPECT_EQ(messageOf(run), "");
     EXPECT_EQ(Throwing::read, first) << "history is that of the last frame that was";

@@ -208,7 +208,10 @@ def test_the_progress_bar_is_drawn_on_terminals_only(scene, tmp_path):
             ["--frames", "many"],
             "restirpg: --frames: Value many not in range 1 to 100000000; see restirpg --help",
         ),
-        (["--fps", "-1"], "-1 frames a second: must be 0, where the scene stands still, or finite and at least 1e-06"),
+        (
+            ["--fps", "-1"],
+            "-1 frames per second: must be 0, where the scene stands still, or finite and at least 1e-06",
+        ),
         (["--time", "nan"], "a time of nan s: must be finite and at least 0"),
         (["--time", "-1"], "a time of -1 s: must be finite and at least 0"),
         (["--exposure", "nan"], "--exposure nan: must be a number of stops from -100 to 100"),

@@ -219,7 +219,7 @@ def write_capped(file, bounces):
 
 @pytest.mark.parametrize(
     ("graph", "cap", "words"),
-    [("restir_pg", 20, "candidates hold paths of at most 15 bounces"), ("path_tracer", 100, "from 0 to 64, not 100")],
+    [("restir_pg", 20, "'bounces' is at most 15, not 20"), ("path_tracer", 100, "from 0 to 64, not 100")],
 )
 def test_a_scenes_own_bounce_cap_is_named_where_a_graph_refuses_it_and_can_be_replaced(tmp_path, graph, cap, words):
     scene = restirpg.load_scene(write_capped(tmp_path / "capped.gltf", cap))

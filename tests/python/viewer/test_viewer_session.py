@@ -265,7 +265,10 @@ def test_a_pixel_that_misses_has_no_geometry(flying):
         ({"do": "set", "pane": 0, "knob": "paths.bounces", "value": "many"}, "bounces"),
         ({"do": "pose", "position": [0, 0, 0], "target": [0, 1, 0], "up": [0, 1, 0], "yfov": 1}, "not span a view"),
         ({"do": "pose", "position": [1e30, 0, 0], "target": [0, 1, 0], "up": [0, 1, 0], "yfov": 1}, "nearer to 0"),
-        ({"do": "pose", "position": [0, 0, 0], "target": [0, 0, 1], "up": [0, 1, 0], "yfov": 3.2}, "no pinhole camera"),
+        (
+            {"do": "pose", "position": [0, 0, 0], "target": [0, 0, 1], "up": [0, 1, 0], "yfov": 3.2},
+            "a pinhole camera cannot",
+        ),
         ({"do": "pose", "position": [0, 0, 0], "target": [0, 0, 1], "up": [0, 1, 0], "yfov": 10**400}, "no number"),
         ({"do": "pose", "position": "123", "target": [0, 0, 1], "up": [0, 1, 0], "yfov": 1}, "no number"),
         ({"do": "pose", "position": [0, 0], "target": [0, 0, 1], "up": [0, 1, 0], "yfov": 1}, "not three numbers"),
