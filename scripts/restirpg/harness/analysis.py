@@ -73,15 +73,15 @@ class SceneFindings:
     raised: dict = field(default_factory=dict)  # (method label, value of the knob) -> MethodFindings, not tested
 
 
-def settled_frames(frames):
-    """Indices of the measured `frames` that count as settled single frames: the last half."""
-    return np.arange(len(frames) - max(1, round(SETTLED * len(frames))), len(frames))
+def settled_frames(values):
+    """Indices of what counts as settled single frames, of one value per measured frame: the last half."""
+    return np.arange(len(values) - max(1, round(SETTLED * len(values))), len(values))
 
 
 def single_frames(run, every=False):
     """Mean MAPE of a run's settled single frames, or of every measured one."""
     errors = run["frame_mape"]
-    return float(np.mean(errors if every else errors[settled_frames(run["frames"])]))
+    return float(np.mean(errors if every else errors[settled_frames(errors)]))
 
 
 def flip(pictures, truth):
