@@ -18,11 +18,12 @@ import sys
 import numpy as np
 from clone import ROOT
 
+from restirpg.colour import luminance, mape_scale
 from restirpg.harness import UserError, program, render
-from restirpg.harness.comparison import largest_knob
 from restirpg.harness.guiding import passes_of
 from restirpg.harness.jobs import parse_methods
-from restirpg.harness.statistics import luminance, mape_scale, ratio
+from restirpg.harness.mean_knobs import differences, mean_of
+from restirpg.harness.statistics import ratio
 
 GRAPHS = ROOT / "graphs"
 
@@ -100,18 +101,15 @@ def make_method(arguments, scene, method):
 def bounce_cap(arguments, scene, methods):
     """Of the reference: the sweep's, the scene's, or the largest of the methods'. Each method is made once, so that a mistake
     in the last of them is told before the reference is rendered."""
-    caps = {}
+    means = {}
     for method in methods:
         with make_method(arguments, scene, method) as renderer:
-            caps[method.label] = largest_knob(renderer.knobs(), "bounces")
+            means[method.label] = mean_of(renderer.knobs())
     asked = scene.bounce_cap if arguments.bounces is None else arguments.bounces
-    cap = max(caps.values()) if asked is None else asked
-    for label, own in caps.items():
-        if own != cap:
-            print(
-                f"{label}: its bounce cap is {own}, the reference's {cap}: the difference counts as error",
-                file=sys.stderr,
-            )
+    cap = max(own["bounces"] for own in means.values()) if asked is None else asked
+    for label, own in means.items():
+        for words in differences(own, {"bounces": cap}, "the reference").values():
+            print(f"{label}: {words}: the difference counts as error", file=sys.stderr)
     return cap
 
 

@@ -18,8 +18,8 @@ import numpy as np
 from clone import ROOT
 
 import restirpg
-from restirpg.harness import UserError, files, program, render
-from restirpg.harness.paper import page, pictures
+from restirpg.harness import UserError, files, pictures, program, render
+from restirpg.harness.paper import page
 
 NAMES = {
     "restir_pt": "no guiding",

@@ -32,9 +32,10 @@ from finished_rows import append_row, read_rows
 from gltf_edits import environment_of, read_glb
 
 import restirpg
+from restirpg.colour import luminance, mape_scale
 from restirpg.harness import UserError, files, program
 from restirpg.harness.render import code_version, find_package, refusals
-from restirpg.harness.statistics import luminance, mape_scale, mean_se
+from restirpg.harness.statistics import mean_se
 
 COLUMNS = ("scene", "method", "size", "bounces", "samples", "seed", "seconds", "mape")
 MITSUBA, PATH_TRACER = "mitsuba", "path_tracer"

@@ -23,8 +23,8 @@ from report import as_json, as_markdown, findings_of
 from runs import Case, MethodRuns, ReferenceBatches
 
 from restirpg.harness import UserError, files, program, render, scenes
-from restirpg.harness.comparison import largest_knob
 from restirpg.harness.jobs import parse_method
+from restirpg.harness.mean_knobs import mean_of
 from restirpg.harness.motion import Motion
 from restirpg.harness.unbiased import compare
 
@@ -65,14 +65,7 @@ def parse(arguments):
         help="edge of a block, pixels: larger ones for scenes of rare bright samples (%(default)s)",
     )
     add("--bounces", type=program.bounces, help="bounce cap of method and reference (the scene's, or the graph's own)")
-    add(
-        "--circle",
-        type=program.length,
-        default=0.0,
-        metavar="M",
-        help="move the camera in a circle of this radius, 6 frames a turn",
-    )
-    add("--fps", type=program.length, default=0.0, help="play the scene's animation, frames a second")
+    program.add_motion(parser)
     add(
         "--reference-batches",
         type=several,
@@ -118,7 +111,7 @@ def record(options):
         Motion(options.circle, options.fps),
     )
     method = MethodRuns(case, options.out)
-    bounces = largest_knob(method.renderer.knobs(), "bounces")
+    bounces = mean_of(method.renderer.knobs()).get("bounces")
     references, samples = {}, []
     for k in case.frames:
         pose = case.motion.pose(k)

@@ -8,11 +8,11 @@ import numpy as np
 from samples import Samples
 
 import restirpg
+from restirpg.colour import luminance
 from restirpg.harness import render, scenes
 from restirpg.harness.jobs import Job, Method, digest
 from restirpg.harness.motion import Motion
 from restirpg.harness.render import ROOT
-from restirpg.harness.statistics import luminance
 from restirpg.harness.unbiased import Reference, run_seed
 
 REFERENCE = Method("reference", str(ROOT / "graphs" / "path_tracer.py"), (("gbuffer.jitter", False),))
@@ -72,7 +72,7 @@ class MethodRuns:
     def __init__(self, case, folder):
         self.case = case
         job = case.job()
-        self._running_mean = render.is_running_mean(json.loads(job.description), case.method.output)
+        self._port = render.frame_port(json.loads(job.description), case.method.output)
         self._pixels = case.size[0] * case.size[1]
         self.renderer = render.make_renderer(job)
         identity = {
@@ -93,15 +93,12 @@ class MethodRuns:
         case, renderer = self.case, self.renderer
         renderer.seed = run_seed(len(self.samples))
         renderer.cut()
-        images, last = [], 0.0
+        images = []
         for k in range(1, max(case.frames) + 1):
             case.motion.apply(renderer, self._home, k)
             renderer.render(1)
-            if k in case.frames or k + 1 in case.frames:
-                now = luminance(renderer.output(case.method.output)[..., :3])
-                if k in case.frames:  # the mean of k frames times k, less the same of k - 1 frames
-                    images.append(k * now - (k - 1) * last if self._running_mean else now)
-                last = now
+            if k in case.frames:
+                images.append(luminance(renderer.output(self._port)[..., :3]))
         images = np.array(images)
         invalid = render.dropped_samples(renderer) + np.sum(~np.isfinite(images))
         self.samples.append(np.append(images, invalid))

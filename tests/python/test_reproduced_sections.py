@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from harness_runs import csv_rows
 
+from restirpg.harness import pictures
 from restirpg.harness.paper import (
     ablation,
     cost,
@@ -15,7 +16,6 @@ from restirpg.harness.paper import (
     figure_4,
     motion,
     page,
-    pictures,
     resolution,
     table_1,
 )  # fmt: skip

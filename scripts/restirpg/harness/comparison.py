@@ -357,8 +357,3 @@ def cost(job):
 def total_cost(jobs):
     """Of all of them."""
     return sum(map(cost, jobs))
-
-
-def largest_knob(knobs, name):
-    """The largest value of knob `name` over all passes, or None when no pass has it."""
-    return max((values[name] for values in knobs.values() if name in values), default=None)

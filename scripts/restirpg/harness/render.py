@@ -120,11 +120,6 @@ def frame_port(description, output):
     return output
 
 
-def is_running_mean(description, output):
-    """Whether the graph's output is the mean over all frames so far, made by an Accumulate pass."""
-    return frame_port(description, output) != output
-
-
 _loaded: dict = {}  # the scene that was loaded last: {(file, camera, environment, allow_outside): (hash, restirpg.Scene)}
 
 

@@ -15,11 +15,10 @@ import numpy as np
 
 import restirpg
 from restirpg.colour import luminance, relative_error
-from restirpg.harness import files, given_reference, plots, render, tables
+from restirpg.harness import files, given_reference, pictures, plots, render, tables
 from restirpg.harness import statistics as st
 from restirpg.harness.jobs import file_name
 from restirpg.harness.mean_knobs import mean_of
-from restirpg.harness.paper import pictures
 
 from matplotlib import pyplot  # isort: skip  (plots has chosen the backend)
 

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtr, stdtrit
 
-from restirpg.colour import luminance, mape_scale  # noqa: F401  (programs of benchmarks/ take them from here)
-
 LEVEL = 0.01  # of a whole family of tests: one false alarm in a hundred reports
 POWER = 0.8  # with which the "smallest detectable" difference would have been found
 

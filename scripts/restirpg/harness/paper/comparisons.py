@@ -3,8 +3,9 @@
 import numpy as np
 
 from restirpg.colour import relative_error
+from restirpg.harness import pictures
 from restirpg.harness import statistics as st
-from restirpg.harness.paper import errors, pictures
+from restirpg.harness.paper import errors
 from restirpg.harness.paper.page import Picture, Section, percent
 from restirpg.harness.paper.paper import METHODS, SHOWN, Study, method, name_of
 

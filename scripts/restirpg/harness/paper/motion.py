@@ -3,10 +3,10 @@ reference."""
 
 import numpy as np
 
-from restirpg.harness import plots
+from restirpg.harness import pictures, plots
 from restirpg.harness import statistics as st
 from restirpg.harness.motion import TURN, Motion
-from restirpg.harness.paper import errors, pictures
+from restirpg.harness.paper import errors
 from restirpg.harness.paper.comparisons import row_of
 from restirpg.harness.paper.page import Picture, Section, Table, estimate, percent
 from restirpg.harness.paper.paper import METHODS, SHOWN, Study, name_of
