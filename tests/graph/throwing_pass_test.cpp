@@ -246,12 +246,12 @@ TEST(Executor, AnOutputOfMoreItemsThanKernelsCountIsRefusedBeforeItIsMade)
         writer.add("it", "Several", {}, {{"count", count}}).output("values", "it.values");
         return std::make_unique<Graph>(writer.graph, Plugins({entry<Several>("Several")}));
     };
-    const std::string refusal = "g.py:1: pass 'it' (Several): the output 'values' has 4298312000 items at 1466x1466 "
+    const std::string refusal = "g.py:1: pass 'it' (Several): the output 'values' has 4297329000 items at 2073x2073 "
                                 "pixels, of which kernels can count 4294967295; set a knob that it follows lower, or "
                                 "render a window";
-    EXPECT_EQ(messageOf([&] { Executor(device, graphWith(2000), 1466, 1466, {}); }), refusal);
-    Executor executor(device, graphWith(1), 1466, 1466, {});
-    EXPECT_EQ(messageOf([&] { executor.setKnob(executor.graph().passes()[0], "count", 2000); }), refusal);
+    EXPECT_EQ(messageOf([&] { Executor(device, graphWith(1000), 2073, 2073, {}); }), refusal);
+    Executor executor(device, graphWith(1), 2073, 2073, {});
+    EXPECT_EQ(messageOf([&] { executor.setKnob(executor.graph().passes()[0], "count", 1000); }), refusal);
     EXPECT_EQ(executor.graph().passes()[0].interface.knobs()[0].get(), 1u);
 }
 

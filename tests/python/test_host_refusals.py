@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from renderer_scenes import GRAPH, check_samples, make_renderer, restirpg, write_flying_panel
 from renderer_scenes import one_line_refusal as refusal
+from renderer_scenes import refusal as refusal_of_lines
 
 
 @pytest.fixture(scope="module")
@@ -224,7 +225,7 @@ def write_capped(file, bounces):
 def test_a_scenes_own_bounce_cap_is_named_where_a_graph_refuses_it_and_can_be_replaced(tmp_path, graph, cap, words):
     scene = restirpg.load_scene(write_capped(tmp_path / "capped.gltf", cap))
     graph = restirpg.load_graph(GRAPH.with_name(f"{graph}.py"))
-    text = refusal(make_renderer, scene, graph, size=(16, 16))
+    text = refusal_of_lines(make_renderer, scene, graph, size=(16, 16))
     refused, own = text.split("\n")
     assert words in refused
     assert own == f"    bounce cap {cap} is the scene's; --bounces replaces it (bounces= in Python)"
