@@ -27,7 +27,7 @@ def test_a_renderer_needs_a_scene_and_a_graph(scene):
     graph = restirpg.load_graph(GRAPH)
     with pytest.raises(TypeError):
         restirpg.Renderer(None, graph, size=(16, 16))
-    assert "None is no graph" in refusal(restirpg.Renderer, scene, None, size=(16, 16))
+    assert "None is not a graph" in refusal(restirpg.Renderer, scene, None, size=(16, 16))
     with pytest.raises(TypeError):
         restirpg.Renderer(scene, graph, size=None)
 

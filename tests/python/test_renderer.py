@@ -237,7 +237,7 @@ def test_a_graph_is_taken_as_a_file_an_object_or_a_dictionary(scene):
     one = image_after(make_renderer(scene, graph), 1, "mean")
     two = image_after(make_renderer(scene, graph.description()), 1, "mean")
     assert one.tobytes() == two.tobytes()
-    assert "is no graph" in refusal(make_renderer, scene, 7)
+    assert "is not a graph" in refusal(make_renderer, scene, 7)
 
 
 def test_the_scene_tells_what_it_holds(scene, scene_file):
