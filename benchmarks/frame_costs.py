@@ -1,11 +1,13 @@
 #!/usr/bin/python3
-"""What a frame of each method costs, in turn on one idle machine.
+"""What a frame of each method costs, on one idle machine.
 
-    benchmarks/frame_costs.py GRAPH[@SETTING=VALUE,...]... --scene FILE [--size 160x90] [--warm 6] [--rounds 20]
+    benchmarks/frame_costs.py GRAPH[@SETTING=VALUE,...]... --scene FILE [--size 160x90] [--warm 6] [--frames 5] [--turns 3]
 
-All methods are kept at hand with their history, and render one frame each in every round, so that what else the machine
-does meets all of them. Printed is the device's time of a settled frame, its mean ± one standard error over rounds, the
-ratio to the first method of the same round, and each pass. --csv FILE has a row for each round, method and pass.
+In a round all methods get renderers of their own, and then render settled frames in turn, so that what else the machine
+does meets all of them. The next round makes the renderers anew, in another order: of equal renderers the first made was
+up to 13% slower than the last, in every frame. In --turns times as many rounds as there are methods, each method is made
+equally often at each place. Printed is the device's time of a frame, its mean ± one standard error over rounds, the ratio
+to the first method of the same round, and each pass. --csv FILE has a row for each round, method and pass.
 """
 
 import argparse
@@ -29,8 +31,9 @@ def parse(arguments):
     add("--scene", required=True, help="a .glb or .gltf file")
     add("--size", type=program.size, default=(160, 90), metavar="WxH", help="pixels (160x90)")
     add("--bounces", type=program.bounces, metavar="N", help="bounce cap (the scene's, or the graphs' own)")
-    add("--warm", type=program.positive, default=6, metavar="N", help="frames of each before the first round (6)")
-    add("--rounds", type=program.whole(2), default=20, metavar="N", help="rounds, two or more (20)")
+    add("--warm", type=program.positive, default=6, metavar="N", help="frames of each before those that count (6)")
+    add("--frames", type=program.positive, default=5, metavar="N", help="frames of each that count, in a round (5)")
+    add("--turns", type=program.positive, default=3, metavar="N", help="rounds for each method (3)")
     add("--csv", metavar="FILE", help="where the times are written")
     return parser.parse_args(arguments)
 
@@ -51,11 +54,21 @@ def settled(method, scene, options):
     return renderer
 
 
-def one_frame(renderer):
-    """Milliseconds of each pass of the next frame."""
-    before = dict(renderer.total_gpu_times())
-    renderer.render(1)
-    return {name: after - before.get(name, 0.0) for name, after in renderer.total_gpu_times().items()}
+def one_round(methods, first, scene, options):
+    """Milliseconds of each pass in a settled frame, for each method. `first`: the one whose renderer is made first."""
+    order = [*range(first, len(methods)), *range(first)]
+    renderers = {at: settled(methods[at], scene, options) for at in order}
+    before = {at: dict(renderer.total_gpu_times()) for at, renderer in renderers.items()}
+    for _ in range(options.frames):
+        for renderer in renderers.values():
+            renderer.render(1)
+    return [
+        {
+            name: (after - before[at].get(name, 0.0)) / options.frames
+            for name, after in renderers[at].total_gpu_times().items()
+        }
+        for at in range(len(methods))
+    ]
 
 
 def told(label, rounds, baseline):
@@ -73,11 +86,9 @@ def measure(options):
     if options.csv:
         files.prepare(options.csv, [options.scene, *(method.graph for method in methods)], "--csv")
     scene = restirpg.load_scene(options.scene)
-    renderers = [settled(method, scene, options) for method in methods]
-    times = [[] for _ in methods]
-    for _ in range(options.rounds):
-        for renderer, rounds in zip(renderers, times):
-            rounds.append(one_frame(renderer))
+    rounds = max(2, options.turns * len(methods))
+    # times[method][round]
+    times = list(zip(*(one_round(methods, number % len(methods), scene, options) for number in range(rounds))))
     baseline = [sum(passes.values()) for passes in times[0]]
     for method, rounds in zip(methods, times):
         print(told(method.label, rounds, baseline))

@@ -16,5 +16,6 @@ from pipeline import pipeline
 
 PAIRS = {"reciprocal": True, "neighbours": 6, "pool": 4, "radius": 10.0, "least_radius": 10.0, "shade": "merged"}
 LIGHT = {"neighbours": 3, "candidates": 16, "shade": "merged"}
+SETTINGS = {"train": "selected", "splat": {"rows": 135}, "reuse": PAIRS, "direct": LIGHT}
 
-graph = pipeline("ReSTIR PG+", train="selected", splat={"rows": 135}, reuse=PAIRS, direct=LIGHT)
+graph = pipeline("ReSTIR PG+", **SETTINGS)

@@ -14,8 +14,8 @@ public:
                          "bounces of resampled paths, each of weight 1; wire this or `samples`");
         io.optionalInput("samples", samples_, anyPerPixel("GuidingSamples"),
                          "bounces of raw path trees, weighted by the light that came back; wire this or `vertices`");
-        io.optionalInput("guide", guide_, fixedSize("GridGuide", {}),
-                         "the guide that drew the paths, one frame ago: prev(\"fit.guide\")");
+        io.input("guide", guide_, fixedSize("GridGuide", {}),
+                 "the guide that drew the paths, one frame ago: prev(\"fit.guide\")");
         io.output("statistics", statistics_,
                   fixedSize("GuidingStatistics", [this] { return gridStatisticsBytes(capacity(), parallax_); }),
                   "sufficient statistics of this frame, per cell");
@@ -54,7 +54,7 @@ public:
         parameters.frame = frame.constants();
         parameters.vertices = addressOf(vertices_);
         parameters.samples = addressOf(samples_);
-        parameters.guide = addressOf(guide_);
+        parameters.guide = guide_->address();
         parameters.statistics = statistics_->address();
         parameters.stride = vertices_ ? vertices_.countPerPixel<PathVertex>() : samples_.countPerPixel<GuidingSample>();
         parameters.capacity = capacity();

@@ -9,7 +9,7 @@ struct GuidingSplatParameters {
     Address frame;  ///< FrameConstants
     Address vertices;  ///< PathVertex, stride per pixel; 0: `samples` are read
     Address samples;  ///< GuidingSample, stride per pixel
-    Address guide;  ///< of the frame that drew the paths; 0: none
+    Address guide;  ///< that drew the paths; in the first frame zeroed
     Address statistics;  ///< zeroed
     uint stride;  ///< vertices per pixel
     uint capacity;  ///< slots, a power of two

@@ -22,7 +22,7 @@ struct Sample {
 /// Is the BSDF one of the mixture's components [shaders/README: Where alpha comes from]? The guide says so, from its first frame on.
 bool learns_alpha()
 {
-    return params.guide != 0ul && (GuidingHeaderRef(params.guide).at.options & GUIDING_ALPHA) != 0u;
+    return (GuidingHeaderRef(params.guide).at.options & GUIDING_ALPHA) != 0u;
 }
 
 bool is_wanted(PathVertex v)

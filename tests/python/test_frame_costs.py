@@ -20,7 +20,7 @@ def run(*arguments):
 def test_methods_render_in_turn_and_every_pass_is_written(scene_file, tmp_path):
     file = tmp_path / "times.csv"
     done = run(
-        TRACER, f"{TRACER}@bounces=1,label=short", "--scene", scene_file, "--size", "16x9", "--rounds", 2, "--csv", file
+        TRACER, f"{TRACER}@bounces=1,label=short", "--scene", scene_file, "--size", "16x9", "--turns", 1, "--csv", file
     )
     assert done.returncode == 0, done.stderr
     first, short = done.stdout.splitlines()
@@ -32,6 +32,27 @@ def test_methods_render_in_turn_and_every_pass_is_written(scene_file, tmp_path):
     }
     assert all(float(row["gpu_ms"]) > 0 for row in rows)
     assert b"\r" not in file.read_bytes()
+
+
+def test_each_method_is_made_equally_often_at_each_place(monkeypatch):
+    made = []
+
+    class Made:
+        def __init__(self, method):
+            made.append(method)
+            self.frames = 0
+
+        def render(self, frames):
+            self.frames += frames
+
+        def total_gpu_times(self):
+            return {"paths": 10.0 * self.frames}
+
+    monkeypatch.setattr(frame_costs, "settled", lambda method, scene, options: Made(method))
+    options = frame_costs.parse([str(TRACER), "--scene", "room.glb", "--frames", "2"])
+    for first in range(3):
+        assert frame_costs.one_round("abc", first, None, options) == [{"paths": 10.0}] * 3
+    assert made == [*"abc", *"bca", *"cab"]
 
 
 def test_a_bounce_cap_of_none_is_a_cap():
@@ -59,8 +80,8 @@ def test_two_methods_of_one_label_are_refused(scene_file):
     assert done.stderr.count("\n") == 1
 
 
-def test_one_round_has_no_standard_error_and_is_refused(scene_file):
-    done = run(TRACER, "--scene", scene_file, "--size", "16x9", "--rounds", 1)
+def test_one_turn_of_one_method_has_no_standard_error_and_is_refused(scene_file):
+    done = run(TRACER, "--scene", scene_file, "--size", "16x9", "--turns", 1)
     assert done.returncode == 2 and "'1' is not a whole number of at least 2" in done.stderr
 
 

@@ -43,7 +43,19 @@ def recorded(tmp_path):
         writer = csv.writer(stream)
         writer.writerow(COLUMNS)
         writer.writerows(("scenes/room.glb", method, 64, 10, *numbers) for method, numbers in ROWS.items())
+    write_runs(folder / "runs.csv", "room")
     return folder.parent
+
+
+def write_runs(file, scene):
+    """The errors of two frames in two tiles: no more of a runs.csv than is read."""
+    with open(file, "w", newline="") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(("scene", "method", "tile", "frame", "mape", "mape_single", "relmse"))
+        for method in ROWS:
+            for tile in range(2):
+                for frame in (11, 12):
+                    writer.writerow((f"scenes/{scene}.glb", method, tile, frame, 9, frame + tile, 10 * frame + tile))
 
 
 def test_the_table_says_plainly_who_errs_least(recorded, tmp_path):
@@ -60,6 +72,14 @@ def test_the_table_says_plainly_who_errs_least(recorded, tmp_path):
     assert [(row["scene"], row["method"]) for row in found] == [("room", method) for method in ROWS]
 
 
+def test_the_errors_of_each_tile_are_means_over_its_frames(recorded, tmp_path):
+    assert run("--collect", recorded, "--results", tmp_path / "results").returncode == 0
+    found = csv_rows(tmp_path / "results/tile_errors.csv")
+    assert [tuple(row.values()) for row in found] == [
+        ("room", method, str(tile), str(11.5 + tile), str(115 + tile)) for method in ROWS for tile in range(2)
+    ]
+
+
 def test_a_standard_error_that_is_not_known_is_a_dash(recorded, tmp_path):
     table = recorded / "room/tiles.csv"
     table.write_text(table.read_text().replace(",0.002,", ",nan,").replace(",0.004,", ",nan,"))
@@ -74,6 +94,7 @@ def test_scenes_whose_times_have_their_older_names_are_collected_with_the_others
     older.mkdir()
     text = (recorded / "room/tiles.csv").read_text().replace("_ms_per_frame", "_ms")
     (older / "tiles.csv").write_text(text.replace("room.glb", "older.glb"))
+    write_runs(older / "runs.csv", "older")
     done = run("--collect", recorded, "--results", tmp_path / "results")
     assert done.returncode == 0, done.stderr
     with open(tmp_path / "results/summary.csv", newline="") as stream:

@@ -221,8 +221,8 @@ def test_memory_of_cells_is_their_number_times_their_bytes():
 def test_table_1_keeps_restir_and_raw_apart():
     averages = np.array([[[[6.0, 5, 4], [3, 2, 1]]]] * 2)
     cells = np.array([[[40, 30]], [[44, 32]]])
-    row = table_1.row_of("scene", averages, cells)
-    assert [cell.mean for cell in row[1:]] == [42, 31, 6, 3, 2, 5, 2, 2.5, 4, 1, 4]
+    row = table_1.row_of("scene", "method", averages, cells)
+    assert [cell.mean for cell in row[2:]] == [42, 31, 6, 3, 2, 5, 2, 2.5, 4, 1, 4]
 
 
 def test_variants_of_an_ablation_have_their_own_rows():

@@ -12,6 +12,7 @@ from restirpg.harness.paper.paper import METHODS, SHOWN, Study, method, name_of
 CANDIDATES = (
     method("candidates_unguided", "candidates, unguided"),
     method("candidates_guided", "candidates, guided"),
+    method("candidates_guided_plus", "candidates, guided by ReSTIR PG+"),
 )
 METRIC = (
     "Pictures are single frames, the last of the first seed's run, as the paper's are; errors are MAPE (the "

@@ -15,6 +15,7 @@ from restirpg.harness.paper import (
     resolution,
     table_1,
 )
+from restirpg.harness.paper.paper import OURS
 
 #: Microseconds per pixel and frame on two cores (lavapipe, benchmarks/results/restir_pt_cost), for --list
 #: alone.
@@ -45,8 +46,17 @@ def _directions(paper):
     }
 
 
-def _cells(paper, scenes, sizes):
-    return {("cells", scene, size): 12 * paper.size.seeds * math.prod(size) for scene in scenes for size in sizes}
+def _cells(paper, scenes, sizes, methods=(OURS,)):
+    return {
+        ("cells", scene, size, method.label): 12 * paper.size.seeds * math.prod(size)
+        for scene in scenes
+        for size in sizes
+        for method in methods
+    }
+
+
+def _cells_of_table_1(paper):
+    return _cells(paper, paper.scenes(), [tuple(paper.size.size)], table_1.METHODS)
 
 
 def _cells_of_all(paper):
@@ -72,7 +82,7 @@ EXPERIMENTS = (
         comparisons.figure_5, lambda paper: (comparisons.study_5(paper),),
     ),
     Experiment(
-        "figure 6", "initial candidates alone, unguided against guided",
+        "figure 6", "initial candidates alone: unguided, guided by ReSTIR PG and by ReSTIR PG+",
         comparisons.figure_6, lambda paper: (comparisons.study_6(paper),),
     ),
     Experiment(
@@ -83,7 +93,9 @@ EXPERIMENTS = (
         "figure 8", "the four methods on glossy surfaces",
         comparisons.figure_8, lambda paper: (comparisons.study_8(paper),),
     ),
-    Experiment("table 1", "samples per cell and frame, ReSTIR against raw", table_1.run, calls=_cells_of_all),
+    Experiment(
+        "table 1", "samples per cell and frame, ReSTIR (PG and PG+) against raw", table_1.run, calls=_cells_of_table_1,
+    ),
     Experiment(
         "cost", "time of passes, the guide's overhead, memory (figure 5's runs)",
         cost.run, lambda paper: (comparisons.study_5(paper),), _cells_of_all,

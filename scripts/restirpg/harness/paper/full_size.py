@@ -7,7 +7,8 @@ The first line is scripts/compare.py with the graphs and defaults below on each 
 are measured, in random tiles alone. Finished runs are kept in OUT/cache, one a (scene, method, seed), each under a
 checksum: the same command goes on where it was interrupted, and another number of --reference-frames takes no run
 again. --scheduler spreads the runs over machines, as for scripts/compare.py. --list says how many hours each scene
-takes. The second line writes summary.csv and tables.md from all scenes that are finished. Exit code: as
+takes. The second line writes, from all scenes that are finished, summary.csv, tables.md and tile_errors.csv: each
+method's errors in each tile, the mean over the measured frames (relMSE less the reference's noise). Exit code: as
 scripts/compare.py.
 """
 
@@ -15,6 +16,7 @@ import argparse
 import csv
 import io
 import math
+import statistics
 from pathlib import Path
 
 import restirpg
@@ -138,6 +140,17 @@ def read_rows(folder):
     return rows
 
 
+def tile_errors(folder):
+    """{(scene, method, tile): (MAPE, relMSE)} of every finished scene, the mean over the measured frames."""
+    found = {}
+    for file in sorted(Path(folder).glob("*/tiles.csv")):
+        with open(file.with_name("runs.csv"), newline="") as stream:
+            for row in csv.DictReader(stream):
+                key = Path(row["scene"]).stem, row["method"], int(row["tile"])
+                found.setdefault(key, []).append((float(row["mape_single"]), float(row["relmse"])))
+    return {key: tuple(statistics.fmean(column) for column in zip(*errors)) for key, errors in found.items()}
+
+
 def by_scene(rows):
     """{scene: {method: row}} in the order of the rows."""
     scenes = {}
@@ -191,18 +204,28 @@ def _with_errors(value, *names):
     return " ± ".join("—" if math.isnan(value[name]) else f"{100 * value[name]:.2f}" for name in names) + "%"
 
 
-def collect(folder, results):
-    """Write summary.csv and tables.md."""
-    rows = read_rows(folder)
-    results = Path(results)
-    files.make_folder(results, "--results")
+def as_csv(rows):
+    """The text of a CSV file of rows, each {column: value}."""
     stream = io.StringIO(newline="")
     writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
-    files.write(results / "summary.csv", stream.getvalue())
+    return stream.getvalue()
+
+
+def collect(folder, results):
+    """Write summary.csv, tables.md and tile_errors.csv."""
+    rows = read_rows(folder)
+    errors = [
+        {"scene": scene, "method": method, "tile": tile, "mape": f"{mape:.9g}", "relmse": f"{relmse:.9g}"}
+        for (scene, method, tile), (mape, relmse) in tile_errors(folder).items()
+    ]
+    results = Path(results)
+    files.make_folder(results, "--results")
+    files.write(results / "summary.csv", as_csv(rows))
     files.write(results / "tables.md", as_markdown(by_scene(rows)))
-    print(f"{results}: summary.csv and tables.md of {len(by_scene(rows))} scenes")
+    files.write(results / "tile_errors.csv", as_csv(errors))
+    print(f"{results}: summary.csv, tables.md and tile_errors.csv of {len(by_scene(rows))} scenes")
     return 0
 
 

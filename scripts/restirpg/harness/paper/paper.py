@@ -21,6 +21,7 @@ def method(graph, label, **knobs):
 
 UNGUIDED = method("restir_pt", "without guiding")
 OURS = method("restir_pg", "ReSTIR PG")
+PLUS = method("restir_pg_plus", "ReSTIR PG+")
 RUPPERT = method("raw_pt_ruppert2020", "Ruppert 2020")
 DEREVYANNYKH = method("raw_pt_derevyannykh2022", "Derevyannykh 2022")
 METHODS = (UNGUIDED, DEREVYANNYKH, RUPPERT, OURS)  # the first is what the others are tested against

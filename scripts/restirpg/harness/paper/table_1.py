@@ -4,7 +4,9 @@ candidates."""
 from restirpg.harness import cell_counts
 from restirpg.harness.jobs import seed_of
 from restirpg.harness.paper.page import Section, Table, estimate
-from restirpg.harness.paper.paper import OURS, name_of
+from restirpg.harness.paper.paper import OURS, PLUS, name_of
+
+METHODS = (OURS, PLUS)  # whose paths are counted
 
 AVERAGES = ("own cells", "cells of either", "sample-weighted")
 PAPER = (
@@ -12,12 +14,12 @@ PAPER = (
 )
 
 
-def cell_call(paper, scene, **settings):
+def cell_call(paper, scene, method=OURS, **settings):
     """What is counted in a scene, for all seeds; `settings` as a `size` of its own."""
     return paper.call(
         cell_counts.measure,
         scene,
-        OURS.graph,
+        method.graph,
         seeds=[seed_of("cells", number) for number in range(paper.size.seeds)],
         first=min(8, paper.size.frames),
         last=min(12, paper.size.frames),
@@ -25,11 +27,11 @@ def cell_call(paper, scene, **settings):
     )
 
 
-def row_of(scene, averages, cells):
+def row_of(scene, method, averages, cells):
     """How many cells ReSTIR and raw candidates touch; ReSTIR, raw and their ratio for each average; over seeds.
     averages: (seeds, frames, 2, 3); cells: (seeds, frames, 2)."""
     means = averages.mean(1)
-    row = [scene, *map(estimate, cells.mean(1).T)]
+    row = [scene, method, *map(estimate, cells.mean(1).T)]
     for at in range(len(AVERAGES)):
         restir, raw = means[:, 0, at], means[:, 1, at]
         row += [estimate(values) for values in (restir, raw, restir / raw)]
@@ -39,11 +41,11 @@ def row_of(scene, averages, cells):
 def run(paper):
     """Measure and tabulate."""
     rows = []
-    scenes = paper.scenes()
-    for scene, answer in zip(scenes, paper.answers([cell_call(paper, scene) for scene in scenes])):
+    counted = [(scene, method) for scene in paper.scenes() for method in METHODS]
+    for (scene, method), answer in zip(counted, paper.answers([cell_call(paper, *each) for each in counted])):
         if answer:
-            rows.append(row_of(name_of(scene), answer["averages"], answer["cells"]))
-    header = ["scene", "ReSTIR, cells", "raw, cells"]
+            rows.append(row_of(name_of(scene), method.label, answer["averages"], answer["cells"]))
+    header = ["scene", "method", "ReSTIR, cells", "raw, cells"]
     for average in AVERAGES:
         header += [f"ReSTIR, {average}", f"raw, {average}", f"ratio, {average}"]
     text = (
