@@ -33,7 +33,7 @@ def parse(arguments):
     add("--bounces", type=program.bounces, metavar="N", help="bounce cap (the scene's, or the graphs' own)")
     add("--warm", type=program.positive, default=6, metavar="N", help="frames of each before those that count (6)")
     add("--frames", type=program.positive, default=5, metavar="N", help="frames of each that count, in a round (5)")
-    add("--turns", type=program.positive, default=3, metavar="N", help="rounds for each method (3)")
+    add("--turns", type=program.whole(2), default=3, metavar="N", help="rounds for each method, two or more (3)")
     add("--csv", metavar="FILE", help="where the times are written")
     return parser.parse_args(arguments)
 
@@ -86,9 +86,8 @@ def measure(options):
     if options.csv:
         files.prepare(options.csv, [options.scene, *(method.graph for method in methods)], "--csv")
     scene = restirpg.load_scene(options.scene)
-    rounds = max(2, options.turns * len(methods))
-    # times[method][round]
-    times = list(zip(*(one_round(methods, number % len(methods), scene, options) for number in range(rounds))))
+    firsts = [*range(len(methods))] * options.turns
+    times = list(zip(*(one_round(methods, first, scene, options) for first in firsts)))  # times[method][round]
     baseline = [sum(passes.values()) for passes in times[0]]
     for method, rounds in zip(methods, times):
         print(told(method.label, rounds, baseline))
