@@ -5,7 +5,7 @@
 
 In a round all methods get renderers of their own, and then render settled frames in turn, so that what else the machine
 does meets all of them. The next round makes the renderers anew, in another order: of equal renderers the first made was
-up to 13% slower than the last, in every frame. In --turns times as many rounds as there are methods, each method is made
+13% slower than the last of six, in every frame. In --turns times as many rounds as there are methods, each method is made
 equally often at each place. Printed is the device's time of a frame, its mean ± one standard error over rounds, the ratio
 to the first method of the same round, and each pass. --csv FILE has a row for each round, method and pass.
 """

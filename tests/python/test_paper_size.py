@@ -80,6 +80,14 @@ def test_the_errors_of_each_tile_are_means_over_its_frames(recorded, tmp_path):
     ]
 
 
+def test_a_scene_without_the_errors_of_its_tiles_is_told(recorded, tmp_path):
+    (recorded / "room/runs.csv").unlink()
+    done = run("--collect", recorded, "--results", tmp_path / "results")
+    assert done.returncode == 2 and done.stderr.count("\n") == 1
+    assert "room/runs.csv: the errors of the tiles are missing" in done.stderr
+    assert not (tmp_path / "results").exists()
+
+
 def test_a_standard_error_that_is_not_known_is_a_dash(recorded, tmp_path):
     table = recorded / "room/tiles.csv"
     table.write_text(table.read_text().replace(",0.002,", ",nan,").replace(",0.004,", ",nan,"))

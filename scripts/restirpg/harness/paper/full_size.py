@@ -144,7 +144,10 @@ def tile_errors(folder):
     """{(scene, method, tile): (MAPE, relMSE)} of every finished scene, the mean over the measured frames."""
     found = {}
     for file in sorted(Path(folder).glob("*/tiles.csv")):
-        with open(file.with_name("runs.csv"), newline="") as stream:
+        runs = file.with_name("runs.csv")
+        if not runs.is_file():
+            raise UserError(f"{runs}: the errors of the tiles are missing; run the scene's command again")
+        with open(runs, newline="") as stream:
             for row in csv.DictReader(stream):
                 key = Path(row["scene"]).stem, row["method"], int(row["tile"])
                 found.setdefault(key, []).append((float(row["mape_single"]), float(row["relmse"])))
