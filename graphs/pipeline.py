@@ -35,7 +35,7 @@ def pipeline(
     learn: a function of the graph and the pass `paths`; it adds the pass that trains the guide after the paths.
     reuse, direct: knobs of ReSTIRReuse and ReSTIRDI.
     trees: path trees per pixel, from which one path is resampled.
-    guided_bounces: bounces from the primary hit on that the guide samples and learns from.
+    guided_bounces: bounces from the primary hit on that the guide samples, and that it learns from if train is "raw".
     show: "resampled", or "candidates": the indirect light of the initial paths alone.
     """
     if train and guide:
@@ -70,8 +70,7 @@ def pipeline(
         guide=guide,
     )
 
-    def resample(name, learned, **knobs):
-        vertices = {"candidate_vertices": paths.vertices, "history_vertices": prev(f"{name}.vertices")}
+    def resample(name, **knobs):
         return g.add(
             name,
             "ReSTIRReuse",
@@ -79,17 +78,16 @@ def pipeline(
             history=prev(f"{name}.reservoirs"),
             **knobs,
             **before,
-            **(vertices if learned else {}),
         )
 
-    resampled = resample("reuse", train == "selected", temporal=temporal, rounds=rounds, **reuse)
+    resampled = resample("reuse", temporal=temporal, rounds=rounds, **reuse)
     if learn:
         learn(g, paths)
     if train:
         training = {
-            "selected": lambda: {"vertices": resampled.vertices},
-            "candidates": lambda: {"vertices": paths.vertices},
-            "temporal": lambda: {"vertices": resample("temporal_reuse", True, rounds=0).vertices},
+            "selected": lambda: {"paths": resampled.reservoirs, "surface": gbuffer.surface},
+            "candidates": lambda: {"paths": paths.candidates, "surface": gbuffer.surface},
+            "temporal": lambda: {"paths": resample("temporal_reuse", rounds=0).reservoirs, "surface": gbuffer.surface},
             "raw": lambda: {"samples": paths.samples},
         }[train]()
         statistics = g.add("splat", "GuidingSplat", guide=prev("fit.guide"), **training, **splat)

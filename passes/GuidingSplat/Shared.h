@@ -7,12 +7,14 @@ RESTIRPG_SHARED
 
 struct GuidingSplatParameters {
     Address frame;  ///< FrameConstants
-    Address vertices;  ///< PathVertex, stride per pixel; 0: `samples` are read
+    Address surface;  ///< PrimaryHit per pixel; with `paths`
+    Address paths;  ///< PathReservoir per pixel; 0: `samples` are read
     Address samples;  ///< GuidingSample, stride per pixel
     Address guide;  ///< that drew the paths; in the first frame zeroed
     Address statistics;  ///< zeroed
-    uint stride;  ///< vertices per pixel
+    uint stride;  ///< samples per pixel
     uint capacity;  ///< slots, a power of two
+    uint learnedBounces;  ///< of each path that are added, at most
     uint finalEdges;  ///< FINAL_EDGES_*
     uint incident;  ///< 1: weigh each vertex by 1 / (f |cos|), so that the incident radiance alone is fitted
     uint parallax;  ///< 1: turn samples to the middle of their cell and add up distances, too

@@ -1,7 +1,7 @@
 #version 460
 #include "prelude.glsl"
 #include "edge.glsl"
-#include "training.glsl"
+#include "samples.glsl"
 #include "scene/primary_hit.glsl"
 #include "restir/path_reservoir.glsl"
 #include "restir/resampling.glsl"
@@ -46,15 +46,11 @@ vec3 label_shares(LabelValues values)
     return shares / max(shares.x + shares.y + shares.z, 1e-30);
 }
 
-/// Weigh a whole path against those before it: is it kept?
-bool offer(PathReservoir path, float weight, float u)
+/// Weigh a whole path against those before it, and keep it or not.
+void offer(PathReservoir path, float weight, float u)
 {
-    if (!(weight > 0.0) || isinf(weight))
-        return false;
-    if (!resample(weight_sum, weight, u))
-        return false;
-    kept = path;
-    return true;
+    if (weight > 0.0 && !isinf(weight) && resample(weight_sum, weight, u))
+        kept = path;
 }
 
 /// A direction with its label: what the tree takes along an edge.
@@ -79,6 +75,16 @@ vec3 label_value_along(Vertex v, uint label, vec3 wi)
     return is_consistent(v.point, local, wi) ? f * abs(local.z) : vec3(0.0);
 }
 
+/// Bounce u of a path: its label, whether it is a delta, and the direction of a smooth one.
+void note_bounce_in_path(inout PathReservoir path, uint u, Bounce s)
+{
+    path.labels = set_path_label(path.labels, u, s.label);
+    if (s.delta)
+        set_delta_bounce(path, u);
+    if (s.label == LABEL_SMOOTH && u <= PATH_PREFIX)
+        path.prefix[u - 1u] = pack_direction(s.wi);
+}
+
 /// The tree's vertex becomes x_k, which the path leaves in direction wi.
 void reconnect_at_vertex(inout PathReservoir path, Tree tree, vec3 wi)
 {
@@ -94,7 +100,7 @@ void reconnect_at_vertex(inout PathReservoir path, Tree tree, vec3 wi)
 PathReservoir end_path(Tree tree, Vertex v, uint u, Bounce bounce, LightPoint point, LightEdge e, vec3 radiance)
 {
     PathReservoir path = tree.path;
-    path.labels = set_path_label(path.labels, u, bounce.label);
+    note_bounce_in_path(path, u, bounce);
     uint k = tree.k;
     bool interior = k == 0u && u >= 2u && is_connectable(path_label(path.labels, u - 1u), bounce.label, tree.arrival);
     if (k == 0u && !bounce.delta)
@@ -112,8 +118,6 @@ PathReservoir end_path(Tree tree, Vertex v, uint u, Bounce bounce, LightPoint po
         set_anchor(path, point);
         path.geometry = bounce.delta ? 1.0 : e.jacobian;
     }
-    if (bounce.delta)
-        set_delta_bounce(path, u);
     set_path_shape(path, u + 1u, k);
     return path;
 }
@@ -139,8 +143,8 @@ void offer_light_sample(Tree tree, Vertex v, uint u, RandomKey key, RandomKey ch
     float density = e.light_pdf / e.jacobian * shares[label] + (e.delta ? 0.0 : label_density(v, label, local, e.wi));
     vec3 light = e.radiance * edge_transmittance(p, e);
     PathReservoir path = end_path(tree, v, u, bounce, point, e, light);
-    if (offer(path, luminance(path.f) * tree.inverse_pdf / density, numbers.y))
-        keep_last_vertex(record_bounce(v.point, v.material, label, e.wi, bounce.value), true);
+    path.shape |= PATH_LIGHT_SAMPLED;
+    offer(path, luminance(path.f) * tree.inverse_pdf / density, numbers.y);
     note_light(u, bounce.value * light / density);
 }
 
@@ -182,8 +186,8 @@ Bounce scatter_labelled(Vertex v, RandomKey key, uint u)
     return s;
 }
 
-/// Offer the path whose scattered edge, `noted` as a vertex, has met a light.
-void offer_found_light(Tree tree, Vertex v, uint u, Bounce s, PathVertex noted, Arrival a, RandomKey choices)
+/// Offer the path whose scattered edge has met a light.
+void offer_found_light(Tree tree, Vertex v, uint u, Bounce s, Arrival a, RandomKey choices)
 {
     LightPoint point = point_in_environment(s.wi);
     if (a.found)
@@ -193,19 +197,14 @@ void offer_found_light(Tree tree, Vertex v, uint u, Bounce s, PathVertex noted, 
     if (!s.delta && e.jacobian > 0.0 && params.nextEventEstimation != 0u)
         density += e.light_pdf / e.jacobian * s.shares[s.label];
     PathReservoir path = end_path(tree, v, u, s, point, e, a.emission * a.absorption);
-    if (offer(path, luminance(path.f) * tree.inverse_pdf / density, random4(choices, u, 0u).z))
-        keep_last_vertex(noted, false);
+    offer(path, luminance(path.f) * tree.inverse_pdf / density, random4(choices, u, 0u).z);
     note_light(u + 1u, a.emission * (s.density / density));
 }
 
-/// Note the bounce in the path: label, direction, and the reconnection if this edge's end is the first that can.
+/// Note the bounce in the path, and the reconnection if this edge's end is the first that can.
 void extend_path(inout Tree tree, uint u, Bounce s)
 {
-    tree.path.labels = set_path_label(tree.path.labels, u, s.label);
-    if (s.delta)
-        set_delta_bounce(tree.path, u);
-    if (s.label == LABEL_SMOOTH && u <= PATH_PREFIX)
-        tree.path.prefix[u - 1u] = pack_direction(s.wi);
+    note_bounce_in_path(tree.path, u, s);
     if (tree.k > 0u)
         return;
     if (u >= 2u && is_connectable(path_label(tree.path.labels, u - 1u), s.label, tree.arrival)) {
@@ -248,11 +247,10 @@ void trace_tree(Hit hit, uvec2 at, uint number)
             return;
 
         Arrival a = follow(v, s.wi, at, u);
-        PathVertex bounce = record_bounce(v.point, v.material, s.label, s.wi, s.value);
-        note_bounce(u, bounce, s.value / s.density, a.absorption, s.density, a.distance);
+        note_bounce(u, v, s.label, s.wi, s.value, s.density, a);
         bool owned = u > 1u || s.delta;
         if (owned && a.emission != vec3(0.0))
-            offer_found_light(tree, v, u, s, bounce, a, choices);
+            offer_found_light(tree, v, u, s, a, choices);
         if (!a.found)
             return;
         advance(tree, u, s, a);
@@ -268,17 +266,15 @@ void main()
         return;
     kept = empty_path_reservoir(1.0);
     weight_sum = 0.0;
-    begin_training();
     Hit hit = primary_hit(params.surface, pixel);
     [[dont_unroll]] for (uint i = 0u; i < params.trees; ++i) {
-        begin_tree(pixel, i);
+        begin_samples();
         if (hit.instance != INVALID_INDEX)
             trace_tree(hit, at, i);
-        end_tree();
+        write_samples(pixel * params.trees + i);
     }
     kept.confidence = 1.0;
     kept.ucw = weight_sum > 0.0 ? weight_sum / (float(params.trees) * luminance(kept.f)) : 0.0;
     if (params.candidates != 0ul)
         PathReservoirArray(params.candidates).at[pixel] = kept;
-    end_training(kept.ucw > 0.0 ? path_edges(kept) - 1u : 0u);
 }

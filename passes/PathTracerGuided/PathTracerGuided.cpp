@@ -31,9 +31,6 @@ public:
         io.output("candidates", candidates_, perPixel<PathReservoir>("PathReservoir"),
                   "one path per pixel, resampled from all that end on the way of its path trees; without direct light "
                   "but what delta lobes find");
-        io.output("vertices", vertices_,
-                  severalPerPixel<PathVertex>("PathVertices", [this] { return guidedBounces(); }),
-                  "the first guided_bounces bounces of the candidate path, bounces + 1 at most");
         io.output("samples", samples_,
                   severalPerPixel<GuidingSample>("GuidingSamples", [this] { return trees_ * guidedBounces(); }),
                   "the first guided_bounces bounces of the path trees, bounces + 1 at most, with the light that came "
@@ -53,7 +50,8 @@ public:
                 "probability of sampling a smooth bounce by the BSDF instead of the guide, where there is guidance "
                 "(Zeng et al. 2025: 0.5)");
         io.knob("guided_bounces", guidedBounces_, 1, 64,
-                "bounces from the primary hit on that the guide draws, and is trained on; later ones follow the BSDF");
+                "bounces from the primary hit on that the guide draws, and that `samples` has; later ones follow the "
+                "BSDF");
         io.structural();
         io.knob("trees", trees_, 1, MAX_TREES,
                 "path trees per pixel and frame, each a path of its own from the primary hit on");
@@ -63,15 +61,14 @@ public:
     void check() const override
     {
         if (wantsTree() && bounces_ > MAX_CANDIDATE_BOUNCES)
-            fail("with candidates, vertices or samples in use 'bounces' is at most {}, not {}; set it lower",
+            fail("with candidates or samples in use 'bounces' is at most {}, not {}; set it lower",
                  MAX_CANDIDATE_BOUNCES, bounces_);
     }
 
     void build(Device& device) override
     {
         const bool guided = !guide_.module.empty();
-        const Defines defines = {
-            {"GUIDED", guided ? "1" : "0"}, {"VERTICES", vertices_ ? "1" : "0"}, {"SAMPLES", samples_ ? "1" : "0"}};
+        const Defines defines = {{"GUIDED", guided ? "1" : "0"}, {"SAMPLES", samples_ ? "1" : "0"}};
         const Includes includes = {{"guide_module.glsl", guide_.module}};
         if (radiance_)
             kernel_ = Kernel(device, passFile("PathTracerGuided.comp"), defines, includes);
@@ -86,8 +83,6 @@ public:
                                               addressOf(radiance_),
                                               addressOf(candidates_),
                                               addressOf(guide_),
-                                              addressOf(vertices_),
-                                              spareVertices(frame),
                                               addressOf(samples_),
                                               bounces_,
                                               nee_,
@@ -103,28 +98,18 @@ public:
 
 private:
     /// Does anybody read what a resampled path tree gives?
-    bool wantsTree() const { return candidates_ || vertices_ || samples_; }
+    bool wantsTree() const { return candidates_ || samples_; }
 
     uint32_t guidedBounces() const { return std::min(guidedBounces_, bounces_ + 1); }
 
-    /// While one tree is traced, the bounces of the path that is kept from those before it lie in the one array or the
-    /// other.
-    Address spareVertices(Frame& frame)
-    {
-        if (!vertices_ || trees_ == 1)
-            return 0;
-        return frame.scratch(spareVertices_, vertices_->bytes(), "bounces of another path tree");
-    }
-
     In<Buffer> surface_, guide_;
-    Out<Buffer> radiance_, candidates_, vertices_, samples_;
+    Out<Buffer> radiance_, candidates_, samples_;
     uint32_t bounces_ = 4;
     bool nee_ = true;
     bool direct_ = false;
     float alpha_ = 0.5f;
     uint32_t guidedBounces_ = 64;
     uint32_t trees_ = 1;
-    Buffer spareVertices_;
     Kernel kernel_, treeKernel_;
 };
 

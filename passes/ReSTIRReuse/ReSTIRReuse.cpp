@@ -19,17 +19,11 @@ public:
         io.input("candidates", candidates_, reservoir, "this frame's candidate path, one per pixel");
         io.ofThisFrame();
         historyInputs(io, motion_, previousSurface_, history_, reservoir, "reuse.reservoirs");
-        io.optionalInput("candidate_vertices", candidateVertices_, anyPerPixel("PathVertices"),
-                         "the bounces of the candidates; needed by the output vertices");
-        io.ofThisFrame();
-        io.optionalInput("history_vertices", historyVertices_, anyPerPixel("PathVertices"),
-                         "the output vertices, one frame ago: prev(\"reuse.vertices\"); needed by the output vertices "
-                         "under temporal reuse");
-        io.ofFrameBefore();
         io.output("radiance", radiance_, image(3), "light of the chosen path, or of all merged paths, W/sr/m^2");
         io.output("reservoirs", reservoirs_, reservoir, "the path that each pixel keeps at the end of the frame");
-        io.output("vertices", vertices_, asMuchAs("PathVertices", candidateVertices_),
-                  "the bounces of that path as it stands in this pixel, as many as candidate_vertices has");
+        io.output("vertices", vertices_, severalPerPixel<PathVertex>("PathVertices", [] { return PATH_TOLD; }),
+                  "the bounces of that path that its reservoir tells, as it stands in this pixel; for inspection, "
+                  "GuidingSplat reads reservoirs");
         io.knob("temporal", temporal_, "merge with what the same surface kept in the frame before");
         io.knob("cap", cap_, 1, 1000,
                 "largest confidence of the history, in multiples of the candidate's own (Lin et al. 2022: 20)");
@@ -44,16 +38,6 @@ public:
             "from, by their resampling weights, which has the same luminance and less noise of colour");
         diskKnobs(io, rules_);
         similarityKnobs(io, rules_);
-    }
-
-    void check() const override
-    {
-        if (vertices_ && (!candidateVertices_ || (history_ && !historyVertices_)))
-            fail("the output 'vertices' needs candidate_vertices and, with history, history_vertices; wire them");
-        if (vertices_ && historyVertices_ && historyVertices_.pixelBytes() != candidateVertices_.pixelBytes())
-            fail("history_vertices has {} B per pixel, candidate_vertices {}; wire this pass's own vertices of the "
-                 "frame before",
-                 historyVertices_.pixelBytes(), candidateVertices_.pixelBytes());
     }
 
     void build(Device& device) override
@@ -98,11 +82,8 @@ public:
             frame.dispatchPixels(shadeKernel_, parameters);
         }
         if (vertices_)
-            frame.dispatchPixels(verticesKernel_,
-                                 ReuseVerticesParameters{parameters.frame, parameters.surface, parameters.source,
-                                                         parameters.originSource, candidateVertices_->address(),
-                                                         addressOf(historyVertices_), vertices_->address(),
-                                                         candidateVertices_.countPerPixel<PathVertex>()});
+            frame.dispatchPixels(verticesKernel_, ReuseVerticesParameters{parameters.frame, parameters.surface,
+                                                                          parameters.source, vertices_->address()});
     }
 
 private:
@@ -131,17 +112,11 @@ private:
                                     ? reservoirs_->address()
                                     : frame.scratch(scratch_[own], pixels * sizeof(PathReservoir), SCRATCH);
         parameters.radiance = left == 0 && shadeMerged_ ? addressOf(radiance_) : 0;
-        if (vertices_)
-            parameters.origins = frame.scratch(originScratch_[left % 2], pixels * sizeof(uint32_t), SCRATCH);
     }
 
-    static void takeAsSource(ReuseParameters& parameters)
-    {
-        parameters.source = parameters.reservoirs;
-        parameters.originSource = parameters.origins;
-    }
+    static void takeAsSource(ReuseParameters& parameters) { parameters.source = parameters.reservoirs; }
 
-    In<Buffer> surface_, candidates_, motion_, previousSurface_, history_, candidateVertices_, historyVertices_;
+    In<Buffer> surface_, candidates_, motion_, previousSurface_, history_;
     Out<Buffer> radiance_, reservoirs_, vertices_;
     bool temporal_ = true;
     float cap_ = 20;
@@ -150,7 +125,7 @@ private:
         .neighbours = 3, .pool = 1, .radius = 20, .leastRadius = 3, .normalThreshold = 0.5f, .depthThreshold = 0.1f};
     bool reciprocal_ = false;
     bool shadeMerged_ = false;
-    Buffer scratch_[3], originScratch_[2], images_, partners_;
+    Buffer scratch_[3], images_, partners_;
     Kernel temporalKernel_, pairsKernel_, imagesKernel_, spatialKernel_, shadeKernel_, verticesKernel_;
 };
 

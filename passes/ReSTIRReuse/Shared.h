@@ -15,9 +15,6 @@ struct ReuseParameters {
     Address history;  ///< PathReservoir per pixel, one frame ago
     Address reservoirs;  ///< PathReservoir per pixel, written
     Address radiance;  ///< vec3 per pixel, written; 0: not by this kernel
-    /// The origin (see merge.glsl) of each path of `source`, a uint per pixel; 0: each pixel's own candidate
-    Address originSource;
-    Address origins;  ///< the origin of each path of `reservoirs`, written; 0: nobody reads vertices
     Address images;  ///< PathImage, one per pixel and partner; 0: pixels are not paired
     Address partners;  ///< the pixel that each pixel would be paired with in each place, a uint; INVALID_INDEX: none
     float cap;  ///< confidence of the history, at most, times that of the pixel's own
@@ -38,11 +35,7 @@ struct ReuseVerticesParameters {
     Address frame;  ///< FrameConstants
     Address surface;  ///< PrimaryHit per pixel
     Address source;  ///< PathReservoir per pixel: the path it ends the frame with
-    Address origins;  ///< whose bounces those are, a uint per pixel, see merge.glsl; 0: each pixel's own candidate's
-    Address candidates;  ///< PathVertex of the candidates, stride per pixel
-    Address history;  ///< PathVertex of the paths of the frame before, likewise
-    Address vertices;  ///< PathVertex of `source`, likewise, written
-    uint stride;  ///< vertices per pixel
+    Address vertices;  ///< PathVertex, PATH_TOLD per pixel, written
 };
 
 RESTIRPG_SHARED_END

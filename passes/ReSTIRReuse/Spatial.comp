@@ -22,7 +22,7 @@ bool image_in(uint pixel, ShadingPoint domain, uint i, PathReservoir y, out Path
 
 Choice merge_neighbours(uvec2 at, uint centre, Hit hit, Neighbours neighbours, PathReservoir own)
 {
-    Choice kept = begin_merge(own, centre);
+    Choice kept = begin_merge(own);
     ShadingPoint here = domain_today(hit, false);
     float others = neighbours.confidence;
     float total = own.confidence + others;
@@ -51,11 +51,11 @@ Choice merge_neighbours(uvec2 at, uint centre, Hit hit, Neighbours neighbours, P
             own_weight += part * share_left(own, target, own.confidence, others);
         } else if (has_image) {
             float weight = part * neighbour_share(y, shifted, jacobian, own.confidence, others) * target * y.ucw;
-            choose(kept, shifted, pixel, weight, random1(reuse_key(at), spatial_round(params.round), i));
+            choose(kept, shifted, weight, random1(reuse_key(at), spatial_round(params.round), i));
         }
     }
     // The centre comes last: its weight is known only now.
-    choose(kept, own, centre, own_weight * luminance(own.f) * own.ucw,
+    choose(kept, own, own_weight * luminance(own.f) * own.ucw,
            random1(reuse_key(at), spatial_round(params.round), SPATIAL_NUMBERS - 1u));
     finish_merge(kept, total);
     return kept;
@@ -68,11 +68,11 @@ void main()
     if (!begin_pixel(params.frame, at, pixel))
         return;
     Hit hit = primary_hit(params.surface, pixel);
-    Choice kept = keep(PathReservoirArray(params.source).at[pixel], pixel);
+    Choice kept = keep(PathReservoirArray(params.source).at[pixel]);
     if (hit.instance != INVALID_INDEX) {
         Neighbours neighbours = find_neighbours(at);
         if (neighbours.any)
             kept = merge_neighbours(at, pixel, hit, neighbours, kept.path);
     }
-    write_choice(params, pixel, kept, origin_of(params.originSource, kept.owner));
+    write_choice(params, pixel, kept);
 }

@@ -7,13 +7,9 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-/// Owners of a merged path.
-const uint OWN = 0u;
-const uint HISTORY = 1u;
-
 Choice merge_history(uvec2 at, Hit hit, PathReservoir own, uint before)
 {
-    Choice kept = begin_merge(own, OWN);
+    Choice kept = begin_merge(own);
     PathReservoir history = PathReservoirArray(params.history).at[before];
     history.confidence = min(history.confidence, params.cap * own.confidence);
     // Two shifts: this frame's path to the history's domain, and the history's path here. One place calls the shift, for compilers copy
@@ -32,10 +28,10 @@ Choice merge_history(uvec2 at, Hit hit, PathReservoir own, uint before)
         float target = has_image ? luminance(shifted.f) * jacobian : 0.0;
         if (present && own.ucw > 0.0) {
             float share = present_share(own, target, own.confidence, history.confidence);
-            choose(kept, own, OWN, share * luminance(own.f) * own.ucw, 0.0);
+            choose(kept, own, share * luminance(own.f) * own.ucw, 0.0);
         } else if (!present && has_image) {
             float share = history_share(history, shifted, jacobian, own.confidence, history.confidence);
-            choose(kept, shifted, HISTORY, share * target * history.ucw, random1(reuse_key(at), TEMPORAL_ROUND, 1u));
+            choose(kept, shifted, share * target * history.ucw, random1(reuse_key(at), TEMPORAL_ROUND, 1u));
         }
     }
     finish_merge(kept, own.confidence + history.confidence);
@@ -49,7 +45,7 @@ void main()
     if (!begin_pixel(params.frame, at, pixel))
         return;
     Hit hit = primary_hit(params.surface, pixel);
-    Choice kept = keep(PathReservoirArray(params.source).at[pixel], OWN);
+    Choice kept = keep(PathReservoirArray(params.source).at[pixel]);
     vec2 u = random2(reuse_key(at), TEMPORAL_ROUND, 0u);
     uint before;
     // Which vertices reconnect depends on the radius of the scene's sphere: where that has changed, this frame's paths have images in the
@@ -57,5 +53,5 @@ void main()
     if (hit.instance != INVALID_INDEX && frame.c.rescaled == 0u &&
         find_history(params.previousSurface, hit, at, Vec2Image(params.motion).at[pixel], u, params.rules, before))
         kept = merge_history(at, hit, kept.path, before);
-    write_choice(params, pixel, kept, kept.owner == OWN ? pixel : before | OF_HISTORY);
+    write_choice(params, pixel, kept);
 }

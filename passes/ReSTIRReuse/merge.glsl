@@ -58,36 +58,33 @@ float share_left(PathReservoir y, float there, float centre_confidence, float ne
     return 1.0 - pairwise_share(neighbours_confidence, there, centre_confidence, luminance(y.f));
 }
 
-/// The path that a merge has kept so far, whose it was, and the light of all that it has seen.
+/// The path that a merge has kept so far, and the light of all that it has seen.
 struct Choice {
     PathReservoir path;
     float sum;  ///< of resampling weights
-    uint owner;
     vec3 light;  ///< sum of MIS weight, f and contribution weight of each path, W/sr/m^2; its luminance is `sum`
 };
 
 /// A pixel's path that has not been merged with any.
-Choice keep(PathReservoir path, uint owner)
+Choice keep(PathReservoir path)
 {
-    return Choice(path, 0.0, owner, path.f * path.ucw);
+    return Choice(path, 0.0, path.f * path.ucw);
 }
 
 /// The start of a merge. `own` is kept until a path is chosen.
-Choice begin_merge(PathReservoir own, uint owner)
+Choice begin_merge(PathReservoir own)
 {
-    return Choice(own, 0.0, owner, vec3(0.0));
+    return Choice(own, 0.0, vec3(0.0));
 }
 
 /// Take the path with this resampling weight instead of the kept one, or not.
-void choose(inout Choice kept, PathReservoir path, uint owner, float weight, float u)
+void choose(inout Choice kept, PathReservoir path, float weight, float u)
 {
     if (!(weight > 0.0) || isinf(weight))
         return;
     kept.light += path.f * (weight / luminance(path.f));
-    if (resample(kept.sum, weight, u)) {
+    if (resample(kept.sum, weight, u))
         kept.path = path;
-        kept.owner = owner;
-    }
 }
 
 /// Close a merge: the kept path's contribution weight, and all participants' confidence.
@@ -98,24 +95,10 @@ void finish_merge(inout Choice kept, float confidence)
     kept.path.confidence = confidence;
 }
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer OriginArray { uint at[]; };
-
-/// A path's origin is a pixel's number: from its reconnection vertex on, the path has the bounces of that pixel's candidate of this
-/// frame. With this bit set, it has the bounces of the path that the pixel kept at the end of the frame before.
-const uint OF_HISTORY = 1u << 31u;
-
-/// The origin of the path that the stage before left in a pixel.
-uint origin_of(Address origins, uint pixel)
-{
-    return origins != 0ul ? OriginArray(origins).at[pixel] : pixel;
-}
-
 /// Write what a merge has left in a pixel.
-void write_choice(ReuseParameters params, uint pixel, Choice kept, uint origin)
+void write_choice(ReuseParameters params, uint pixel, Choice kept)
 {
     PathReservoirArray(params.reservoirs).at[pixel] = kept.path;
-    if (params.origins != 0ul)
-        OriginArray(params.origins).at[pixel] = origin;
     if (params.radiance != 0ul)
         Vec3Image(params.radiance).at[pixel] = kept.light;
 }

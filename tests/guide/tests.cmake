@@ -1,5 +1,5 @@
 # Plugins of the tests' own, kept out of the folder that the program searches.
-foreach(name FixedGuide HeldGuide KnownVertices ReplayReuse)
+foreach(name FixedGuide HeldGuide KnownSamples ReplayReuse)
     add_library(restirpg-pass-${name} MODULE guide/${name}/${name}.cpp)
     target_link_libraries(restirpg-pass-${name} PRIVATE restirpg)
     target_compile_definitions(restirpg-pass-${name} PRIVATE

@@ -16,6 +16,7 @@ import pytest
 from renderer_scenes import ROOT, check_samples, make_renderer, restirpg
 
 from restirpg.harness.guiding import level_of
+from restirpg.records import constant
 from restirpg.scenes import shapes
 from restirpg.scenes.gltf import SceneFile, lambert
 
@@ -80,6 +81,8 @@ def training_samples(renderer):
     samples["distance"] = 1
     if splat["final_edges"] == "scattered":
         samples["weight"][samples["surface"] & oracle.LIGHT_SAMPLED != 0] = 0
+    bounces = samples.reshape(-1, constant("PATH_TOLD"))
+    bounces["weight"][:, splat["learned_bounces"] :] = 0
     return samples
 
 
@@ -144,6 +147,7 @@ CASES = {
         "restir_pg",
         {"splat__incident": True, "splat__final_edges": "scattered"},
     ),
+    "two bounces of each path": ("door_ajar", "restir_pg", {"splat__learned_bounces": 2}),
     "every third row": ("door_ajar", "restir_pg", {"splat__rows": 12}),
     "two lobes": ("door_ajar", "restir_pg", {"fit__lobes": 2}),
     "learnt alpha": ("door_ajar", "restir_pg", {"move": 0.04, "fit__learn_alpha": True}),
@@ -353,8 +357,8 @@ def test_parallax_asks_for_samples(scene):
 
 
 @pytest.mark.parametrize("knobs", [{"splat__final_edges": "none"}, {"splat__incident": True}])
-def test_what_is_meant_for_vertices_is_refused_for_samples(scene, knobs):
-    with pytest.raises(restirpg.Error, match="incident and final_edges are for vertices"):
+def test_what_is_meant_for_paths_is_refused_for_samples(scene, knobs):
+    with pytest.raises(restirpg.Error, match="incident and final_edges are for paths"):
         record(scene, graph_of("raw_pt_ruppert2020"), count=1, **knobs)
 
 

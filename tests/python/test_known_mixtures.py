@@ -1,4 +1,4 @@
-"""GuidingSplat and GuidingFit on vertices of a known distribution (tests/guide/KnownVertices): what they
+"""GuidingSplat and GuidingFit on samples of a known distribution (tests/guide/KnownSamples): what they
 find, and how cells behave that are starved, crowded, or hold samples that are all alike.
 
 Statistical: recovery alone, from 16,384 samples per frame. Its bounds are four standard errors or more: a lobe
@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from renderer_scenes import ROOT, check_samples, make_renderer, restirpg
 
-#: As in KnownVertices.comp.
+#: As in KnownSamples.comp.
 MU = np.array([[0.6, 0.8, 0], [-0.8, 0.6, 0], [0, 0.6, 0.8], [0, 0.28, -0.96]])
 KAPPA = np.array([6.0, 20, 80, 300])
 WEIGHT = np.array([0.4, 0.3, 0.2, 0.1])
@@ -21,15 +21,15 @@ pytestmark = pytest.mark.usefixtures("own_plugins")
 
 
 class Learner:
-    """Known vertices, splat and fit, frame by frame. Each place lies in a cell of its own."""
+    """Known samples, splat and fit, frame by frame. Each place lies in a cell of its own."""
 
     def __init__(self, scene, size=64, cells=4096, **known):
-        g = restirpg.Graph("Known vertices")
-        vertices = g.add("known", "KnownVertices", **known)
+        g = restirpg.Graph("Known samples")
+        known = g.add("known", "KnownSamples", **known)
         statistics = g.add(
             "splat",
             "GuidingSplat",
-            vertices=vertices.vertices,
+            samples=known.samples,
             guide=restirpg.prev("fit.guide"),
             cells=cells,
             cell_size=0.003,

@@ -54,7 +54,7 @@ def one_bounce(mode=None, replay=False, cap=8):
                 "GuidingSplat",
                 {"cells": CELLS, "cell_size": 0.6},
                 guide=wire("fit.guide", True),
-                vertices=wire("bounce.vertices"),
+                samples=wire("bounce.samples"),
             ),
             entry(
                 "fit",

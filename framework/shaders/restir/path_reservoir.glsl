@@ -14,7 +14,7 @@ const float NEAR_FIELD = 0.01;
 
 uint path_edges(PathReservoir r)
 {
-    return r.shape & 0xffu;
+    return r.shape & 0x7fu;
 }
 
 /// Index k of the reconnection vertex; 0: none.
@@ -34,7 +34,7 @@ void set_delta_bounce(inout PathReservoir r, uint bounce)
     r.shape |= 1u << (15u + bounce);
 }
 
-/// Set D and k.
+/// Set D and k of a path whose last edge scattering has found.
 void set_path_shape(inout PathReservoir r, uint edges, uint k)
 {
     r.shape = (r.shape & 0xffff0000u) | (k << 8u) | edges;

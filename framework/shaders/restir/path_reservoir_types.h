@@ -14,11 +14,11 @@ struct PathReservoir {
     vec3 f;
     float ucw;  ///< unbiased contribution weight W; 0: carries no light
     float confidence;  ///< M: how many pixels' candidates stand behind it
-    uint shape;  ///< D | k << 8 | bounce u is a delta: 1 << (15 + u)
+    uint shape;  ///< D | k << 8 | PATH_LIGHT_SAMPLED | bounce u is a delta: 1 << (15 + u)
     uint labels;  ///< LABEL_* of bounce u in bits 2u - 2 and 2u - 1
     uint pixel;  ///< key of the candidate's random numbers, with `frame`: replays sharp bounces
     uint frame;  ///< with the tree's number, see tree_key
-    uvec4 prefix;  ///< packed directions of the smooth bounces 1 to 4, world space
+    uvec4 prefix;  ///< packed directions of the smooth bounces 1 to 4, world space; beyond x_k for guides alone
     uvec2 anchor;  ///< 0 < k < D: instance and triangle of x_k; else LightPoint's instance and index
     vec2 place;  ///< barycentrics of x_k; else LightPoint::place
     uint direction;  ///< 0 < k < D: packed direction in which the path leaves x_k
@@ -30,6 +30,11 @@ struct PathReservoir {
 /// Bounces whose direction is kept where they are smooth; a path that would have to replay a later one cannot be
 /// shifted [shaders/README: What may reconnect].
 RESTIRPG_CONST PATH_PREFIX = 4u;
+/// Bounces of a path that its reservoir tells are at most so many: those of the prefix, and those at both ends of the
+/// edge that reconnects [shaders/README: Learning: the splat].
+RESTIRPG_CONST PATH_TOLD = PATH_PREFIX + 2u;
+/// Of PathReservoir::shape: next event estimation has made the path's last edge.
+RESTIRPG_CONST PATH_LIGHT_SAMPLED = 1u << 7u;
 /// Longest path: labels of 16 bounces.
 RESTIRPG_CONST PATH_MAX_EDGES = 17u;
 

@@ -38,31 +38,41 @@ vec3 side_towards(ShadingPoint p, vec3 wi)
     return dot(p.normal, wi) > 0.0 ? p.normal : -p.normal;
 }
 
-/// The direction and value, as it is in f, of a replayed bounce; false when the label does not exist here or carries nothing.
-bool replay_bounce(PathReservoir r, uint bounce, inout PartialPath path)
+/// The direction of a replayed bounce that leaves p, as path.wi and `local`; false when the label does not exist here. `drawn`: of a sharp
+/// bounce, its sample.
+bool replay_direction(PathReservoir r, uint bounce, inout PartialPath path, out vec3 local, out BsdfSample drawn)
 {
     uint label = path_label(r.labels, bounce);
     ShadingPoint p = path.point;
     uint lobes = label_lobes(p.bsdf, label);
+    drawn = no_bsdf_sample(lobes);
     if (lobes == 0u)
         return false;
-    vec3 local;
-    BsdfSample drawn = no_bsdf_sample(lobes);
     if (label == LABEL_SMOOTH) {
         if (bounce > PATH_PREFIX)
             return false;
         path.wi = unpack_direction(r.prefix[bounce - 1u]);
         local = to_local(p.local_frame, path.wi);
-    } else {
-        RandomKey key = RandomKey(r.pixel, r.frame, frame.c.seed);
-        drawn = bsdf_sample_lobe(p.bsdf, p.wo, lobes, random2(key, bounce, RANDOM_DIRECTION));
-        // Between a delta and a rough lobe no measure is common: neither is the image of the other.
-        if (drawn.pdf <= 0.0 || drawn.delta != is_delta_bounce(r, bounce))
-            return false;
-        local = drawn.wi;
-        path.wi = to_world(p.local_frame, local);
+        return true;
     }
-    vec3 value = bsdf_eval(p.bsdf, p.wo, local, lobes) * abs(local.z);
+    RandomKey key = RandomKey(r.pixel, r.frame, frame.c.seed);
+    drawn = bsdf_sample_lobe(p.bsdf, p.wo, lobes, random2(key, bounce, RANDOM_DIRECTION));
+    local = drawn.wi;
+    path.wi = to_world(p.local_frame, local);
+    // Between a delta and a rough lobe no measure is common: neither is the image of the other.
+    return drawn.pdf > 0.0 && drawn.delta == is_delta_bounce(r, bounce);
+}
+
+/// The direction and value, as it is in f, of a replayed bounce; false when the label does not exist here or carries nothing.
+bool replay_bounce(PathReservoir r, uint bounce, inout PartialPath path)
+{
+    vec3 local;
+    BsdfSample drawn;
+    if (!replay_direction(r, bounce, path, local, drawn))
+        return false;
+    uint label = path_label(r.labels, bounce);
+    ShadingPoint p = path.point;
+    vec3 value = bsdf_eval(p.bsdf, p.wo, local, label_lobes(p.bsdf, label)) * abs(local.z);
     if (drawn.delta)
         value = drawn.weight;
     else if (label != LABEL_SMOOTH)

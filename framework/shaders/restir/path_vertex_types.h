@@ -4,9 +4,9 @@
 #include "shaders/scene/scene_types.h"
 RESTIRPG_SHARED
 
-/// A smooth bounce of a path: where, and in which direction it leaves. Of pixel p, bounce u >= 1 is number p * stride +
-/// u - 1, stride being the bounces that are kept: the bounce cap + 1, or `guided_bounces`. All zero: no bounce, or a
-/// sharp one. 16 bytes (Zeng et al. 2025: 52).
+/// A smooth bounce of a path: where, and in which direction it leaves. All zero: no bounce, or a sharp one. In the
+/// arrays of a pass, bounce u >= 1 of pixel (or path tree) p is number p * n + u - 1, of n that there are of each. 16
+/// bytes (Zeng et al. 2025: 52).
 struct PathVertex {
     /// 20 bits a coordinate in the cube of POSITION_EXTENT radii about the scene's center, x in the lowest bits; then,
     /// in the second word, the face (VERTEX_FACE_*) and VERTEX_VALID

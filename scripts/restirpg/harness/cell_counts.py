@@ -10,23 +10,33 @@ import json
 import numpy as np
 
 import restirpg
-from restirpg.harness.guiding import CELL, MEMORY, SUMS, VERTEX, GuidedGraph, header_of, is_valid, vertex_face
+from restirpg.harness.guiding import CELL, MEMORY, SUMS, GuidedGraph, header_of, read_table
 from restirpg.records import constant
 
 KEY_BYTES = constant("GUIDING_KEY_BYTES")
+RAW = "raw_splat"
 BYTES = {
-    "vertex": VERTEX.itemsize,
     "guide": KEY_BYTES + CELL.itemsize + MEMORY.itemsize,  # a cell's lobes, and what it remembers
     "statistics": KEY_BYTES + SUMS.itemsize,  # of a cell, in one frame
 }
 
 
-def counts_of(renderer, grid, port):
-    """{key: samples} of the last frame."""
-    v = renderer.read_port(port).view(VERTEX)
-    v = v[is_valid(v)]
-    keys = grid.keys(grid.positions(v["position"]), vertex_face(v), v["surface"] & 0xFFFF)[0]
-    return dict(zip(*np.unique(keys, return_counts=True)))
+def counts_of(renderer, splat):
+    """{key: samples} of the last frame, as this GuidingSplat has added them."""
+    table = read_table(renderer.read_port(f"{splat}.statistics"), SUMS)[1]
+    return {key: int(sums["count"]) for key, (sums,) in table.items()}
+
+
+def with_raw_counts(description, names):
+    """The description with a second GuidingSplat, RAW, which adds the candidates in place of the selected paths. Both add
+    all rows of pixels."""
+    passes = [dict(entry) for entry in description["passes"]]
+    at = next(i for i, entry in enumerate(passes) if entry["name"] == names.splat)
+    splat = passes[at] = {**passes[at], "knobs": {**passes[at]["knobs"], "rows": 1 << 16}}
+    candidates = {"pass": names.paths, "output": "candidates", "delayed": False}
+    passes.append({**splat, "name": RAW, "inputs": {**splat["inputs"], "paths": candidates}})
+    shown = {"name": RAW, "pass": RAW, "output": "statistics"}
+    return {**description, "passes": passes, "outputs": [*description["outputs"], shown]}
 
 
 def averages(mine, other):
@@ -44,8 +54,7 @@ def measure(scene, description, size, seeds, bounces=None, first=8, last=12):
     """
     description = json.loads(description)
     names = GuidedGraph(description)
-    ports = f"{names.reuse}.vertices", f"{names.paths}.vertices"
-    renderer = restirpg.Renderer(scene, description, size=tuple(size), bounces=bounces)
+    renderer = restirpg.Renderer(scene, with_raw_counts(description, names), size=tuple(size), bounces=bounces)
     renderer.set(f"{names.paths}.alpha", 1.0)
     found, cells, guiding = [], [], []
     for seed in seeds:
@@ -54,8 +63,7 @@ def measure(scene, description, size, seeds, bounces=None, first=8, last=12):
         renderer.render(first - 1)
         for _ in range(first, last + 1):
             renderer.render(1)
-            grid = names.grid(renderer)
-            restir, raw = (counts_of(renderer, grid, port) for port in ports)
+            restir, raw = (counts_of(renderer, splat) for splat in (names.splat, RAW))
             found.append([averages(restir, raw), averages(raw, restir)])
             cells.append([len(restir), len(raw)])
             header = header_of(renderer.read_port(f"{names.fit}.guide"))

@@ -50,6 +50,18 @@ def is_guided(description):
     return {"GuidingSplat", "GuidingFit", "ReSTIRReuse"} <= types or {"GuidingChain", "PathTracerGuided"} <= types
 
 
+def selected_vertices(description):
+    """The port with the bounces of the paths that a guide learns from, where resampling has selected them; else None. So
+    it is for a description that cannot be read: the renderer says what is wrong with it, and where."""
+    try:
+        reuse = {entry["name"] for entry in description["passes"] if entry["type"] == "ReSTIRReuse"}
+        splats = [entry for entry in description["passes"] if entry["type"] == "GuidingSplat"]
+        learnt = [(entry["inputs"].get("paths") or {}).get("pass") for entry in splats]
+    except (LookupError, TypeError, AttributeError):
+        return None
+    return next((f"{name}.vertices" for name in learnt if name in reuse), None)
+
+
 def with_output(description, port):
     """The description with the port among its outputs, so that it is made and can be read."""
     name, _, output = port.partition(".")

@@ -41,7 +41,8 @@ class Pane:
         port = port if port and graphs.has_image_port(description, port) else None
         shown = graphs.with_output(description, port) if port else description
         alone = graphs.frame_output(description)
-        outputs = [*self._options.get("outputs", ()), *([alone] if alone else [])]
+        vertices = graphs.selected_vertices(description)
+        outputs = [*self._options.get("outputs", ()), *(extra for extra in (alone, vertices) if extra)]
         renderer = restirpg.Renderer(self._scene, shown, size=self._size, **{**self._options, "outputs": outputs})
         initial = renderer.knobs()
         changed = {name: value for name, value in self.changed.items() if _value(initial, name) is not None}
@@ -52,7 +53,7 @@ class Pane:
         self.placed = False  # the renderer has a pose in place of the scene's camera
         self.renderer, self.description, self.changed, self._initial = renderer, description, changed, initial
         self.ports = graphs.image_ports(description)
-        self.frame_output = alone
+        self.frame_output, self.selected_vertices = alone, vertices
         self.port = port
         self.forget()
 

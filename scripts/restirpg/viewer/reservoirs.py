@@ -89,21 +89,17 @@ def at_pixel(pane, x, y):
 def path_at_pixel(pane, x, y, pose):
     """The smooth vertices of the path that the pixel has selected, as places in the picture: {points: [[u, v] or null],
     fractions of the picture; bounces: [u], their numbers; light: [u, v] or null, towards the light beyond the last}.
-    None where a graph keeps no vertices, or the pixel no path."""
-    try:
-        names = guiding.GuidedGraph(pane.description)
-    except guiding.UserError:
-        return None
-    port = f"{names.reuse}.vertices"
-    if port not in pane.renderer.memory():
+    None where no guide learns from selected paths, or the pixel has no path."""
+    if pane.selected_vertices is None:
         return None
     width, height = pane.renderer.size
-    vertices = pane.renderer.read_port(port).view(guiding.VERTEX).reshape(width * height, -1)[y * width + x]
+    vertices = pane.renderer.read_port(pane.selected_vertices).view(guiding.VERTEX)
+    vertices = vertices.reshape(width * height, -1)[y * width + x]
     bounces = np.flatnonzero(guiding.is_valid(vertices))
     if bounces.size == 0:
         return None
     vertices = vertices[bounces]
-    grid = names.grid(pane.renderer)
+    grid = guiding.GuidedGraph(pane.description).grid(pane.renderer)
     # Seen from the camera, since kernels' places are the world's only where the scene is not far off.
     points = grid.positions(vertices["position"]) - grid.camera + pane.renderer.camera["position"]
     last, leaves = points[-1], guiding.unpack_direction(vertices["direction"][-1:])[0]

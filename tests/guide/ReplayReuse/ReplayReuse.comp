@@ -65,7 +65,7 @@ void main()
     RandomKey key = random_key(at, frame.c.frame, frame.c.seed);
     ReplayReservoir kept = ReplayReservoir(key.pixel, key.frame, vec3(0.0), 0.0, 1.0);
     vec3 radiance = vec3(0.0);
-    PathVertex vertex = no_path_vertex();
+    GuidingSample bounce = GuidingSample(no_path_vertex(), 0.0, 0.0);
     Hit hit = primary_hit(params.surface, pixel);
     if (hit.instance != INVALID_INDEX) {
         Surface surface = load_surface(hit, false);
@@ -90,13 +90,13 @@ void main()
         kept.ucw = sum > 0.0 ? sum / luminance(value) : 0.0;
         radiance = value * kept.ucw;
         if (sum > 0.0) {
-            vertex = make_path_vertex(v.point.position, v.point.normal, v.material, kept.wi, 1.0, 1.0);
-            set_final(vertex, false);
+            PathVertex vertex = make_path_vertex(v.point.position, v.point.normal, v.material, kept.wi, 1.0, 1.0);
+            bounce = GuidingSample(vertex, 1.0, 1.0);
         }
     }
     if (params.reservoirs != 0ul)
         ReplayReservoirArray(params.reservoirs).at[pixel] = kept;
-    if (params.vertices != 0ul)
-        PathVertexArray(params.vertices).at[pixel] = vertex;
+    if (params.samples != 0ul)
+        GuidingSampleArray(params.samples).at[pixel] = bounce;
     ImageArray(params.radiance).at[pixel] = radiance;
 }

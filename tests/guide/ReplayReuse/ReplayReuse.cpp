@@ -16,7 +16,7 @@ public:
                          "the output reservoirs, one frame ago; the camera must stand still");
         io.output("radiance", radiance_, image(3), "light by one bounce, W/sr/m^2");
         io.output("reservoirs", reservoirs_, reservoir, "the sample that each pixel ends the frame with");
-        io.output("vertices", vertices_, severalPerPixel<PathVertex>("PathVertices", [] { return 1u; }), "its bounce");
+        io.output("samples", samples_, perPixel<GuidingSample>("GuidingSamples"), "its bounce, of weight 1");
         io.knob("alpha", alpha_, 0, 1, "probability of the BSDF instead of the guide");
         io.knob("cap", cap_, 1, 1000, "of the history's confidence");
         io.knob("replay", replay_, "variant P: carry the random numbers; else variant U: carry the direction");
@@ -36,7 +36,7 @@ public:
                                           addressOf(guide_),
                                           past ? history_->address() : 0,
                                           addressOf(reservoirs_),
-                                          addressOf(vertices_),
+                                          addressOf(samples_),
                                           radiance_->address(),
                                           alpha_,
                                           cap_,
@@ -46,7 +46,7 @@ public:
 
 private:
     In<Buffer> surface_, guide_, history_;
-    Out<Buffer> radiance_, reservoirs_, vertices_;
+    Out<Buffer> radiance_, reservoirs_, samples_;
     float alpha_ = 0.5f;
     float cap_ = 8;
     bool replay_ = false;

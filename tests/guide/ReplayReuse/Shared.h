@@ -20,7 +20,7 @@ struct ReplayParameters {
     Address guide;  ///< 0: unguided
     Address history;  ///< ReplayReservoir a pixel, one frame ago; 0: none
     Address reservoirs;  ///< ReplayReservoir a pixel, written; 0: nobody reads it
-    Address vertices;  ///< PathVertex per pixel, written; 0: nobody reads it
+    Address samples;  ///< GuidingSample per pixel, written; 0: nobody reads it
     Address radiance;  ///< vec3 per pixel, written
     float alpha;  ///< probability of the BSDF
     float cap;  ///< of the history's confidence

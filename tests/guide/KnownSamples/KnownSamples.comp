@@ -1,12 +1,12 @@
 #version 460
 #include "prelude.glsl"
-#include "KnownVerticesShared.h"
+#include "KnownSamplesShared.h"
 #include "math/random.glsl"
 #include "math/vmf_mixture.glsl"
 #include "restir/path_vertex.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { KnownVerticesParameters params; };
+layout(push_constant, scalar) uniform Push { KnownSamplesParameters params; };
 
 /// Of the scene's radius, between neighbouring places.
 const float SPACING = 0.03;
@@ -29,5 +29,6 @@ void main()
     vec4 u = random4(random_key(at, frame.c.frame, frame.c.seed), 0u, 0u);
     uint lobe = select_lobe(m, u.z);
     vec3 w = params.identical != 0u ? lobe_direction(m, 0u) : sample_vmf(lobe_direction(m, lobe), m.kappa[lobe], u.xy);
-    PathVertexArray(params.vertices).at[pixel] = make_path_vertex(position, vec3(0.0, 1.0, 0.0), 3u, w, 1.0, 1.0);
+    PathVertex vertex = make_path_vertex(position, vec3(0.0, 1.0, 0.0), 3u, w, 1.0, 1.0);
+    GuidingSampleArray(params.samples).at[pixel] = GuidingSample(vertex, 1.0, 1.0);
 }

@@ -1,17 +1,17 @@
-// Adds each vertex of the frame's paths to its cell: the E-step of EM against the mixture that the cell had when the paths were drawn.
+// Adding samples to their cells: the E-step of EM against the mixture that the cell had when the paths were drawn.
 // [Zeng et al. 2025, section 4.3]
-#version 460
-#include "prelude.glsl"
+#ifndef RESTIRPG_GUIDING_SPLAT_GLSL
+#define RESTIRPG_GUIDING_SPLAT_GLSL
+
 #include "Shared.h"
 #include "guide/guiding_mixture.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { GuidingSplatParameters params; };
 
 /// Not so small that its inverse would leave the fixed point's range.
 const float SHORTEST_DISTANCE = 1e-3;
 
-/// A vertex with its weight, and the direction and distance (m) that it looks to. Weight 0: not a sample.
+/// A vertex with its weight, and the direction and distance (m) that it looks to.
 struct Sample {
     PathVertex vertex;
     vec3 direction;
@@ -19,35 +19,15 @@ struct Sample {
     float distance;
 };
 
+Sample make_sample(PathVertex v, float weight, float distance)
+{
+    return Sample(v, unpack_direction(v.direction), min(weight, float(GUIDING_LARGEST_WEIGHT)), distance);
+}
+
 /// Is the BSDF one of the mixture's components [shaders/README: Where alpha comes from]? The guide says so, from its first frame on.
 bool learns_alpha()
 {
     return (GuidingHeaderRef(params.guide).at.options & GUIDING_ALPHA) != 0u;
-}
-
-bool is_wanted(PathVertex v)
-{
-    if (!is_valid(v))
-        return false;
-    if ((v.surface & VERTEX_FINAL) == 0u || params.finalEdges == FINAL_EDGES_ALL)
-        return true;
-    return params.finalEdges == FINAL_EDGES_SCATTERED && (v.surface & VERTEX_LIGHT_SAMPLED) == 0u;
-}
-
-Sample load_sample(uint index)
-{
-    Sample s = Sample(no_path_vertex(), vec3(0.0), 1.0, 0.0);
-    if (params.samples != 0ul) {
-        GuidingSample given = GuidingSampleArray(params.samples).at[index];
-        s = Sample(given.vertex, vec3(0.0), given.weight, given.distance);
-    } else {
-        s.vertex = PathVertexArray(params.vertices).at[index];
-        if (params.incident != 0u)
-            s.weight = 1.0 / vertex_scatter(s.vertex);
-    }
-    s.direction = unpack_direction(s.vertex.direction);
-    s.weight = is_wanted(s.vertex) ? min(s.weight, float(GUIDING_LARGEST_WEIGHT)) : 0.0;
-    return s;
 }
 
 /// How badly a density explains a sample, as a word that grows with it.
@@ -108,21 +88,20 @@ void add_sample(GuidingGrid grid, Sample s)
         add_distance(slot, s, shares);
 }
 
-void main()
+/// First thing in main: sets `frame`, and finds the pixel of the invocation among the rows that are added in this frame; false: there is
+/// none. One invocation notes in the table what its keys mean.
+bool begin_splat(out uvec2 at, out GuidingGrid grid)
 {
     frame = FrameRef(params.frame);
-    uvec3 at = gl_GlobalInvocationID;
-    bool first = at == uvec3(0u);
+    at = gl_GlobalInvocationID.xy;
     at.y = at.y * params.rowStep + frame.c.frame % params.rowStep;
-    if (any(greaterThanEqual(at, uvec3(frame.c.size, params.stride))))
-        return;
-    GuidingGrid grid = current_grid(params.cellSize, params.smallestCell);
-    if (first) {
+    grid = current_grid(params.cellSize, params.smallestCell);
+    if (gl_GlobalInvocationID == uvec3(0u)) {
         GuidingHeaderRef(params.statistics).at.grid = grid;
         GuidingHeaderRef(params.statistics).at.capacity = params.capacity;
         GuidingHeaderRef(params.statistics).at.options = learns_alpha() ? GUIDING_ALPHA : 0u;
     }
-    Sample s = load_sample(pixel_index(at.xy) * params.stride + at.z);
-    if (s.weight > 0.0)
-        add_sample(grid, s);
+    return all(lessThan(at, frame.c.size));
 }
+
+#endif
