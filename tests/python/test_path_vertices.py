@@ -168,10 +168,15 @@ def test_the_vertices_are_those_of_the_reservoirs_path(frames):
         assert np.array_equal(valid(vertices), told)  # no sharp bounce in this scene
 
 
+def cosines(vertices, others):
+    """Between the directions of vertices."""
+    return np.prod([oracle.unpack_direction(v["direction"]) for v in (vertices, others)], axis=0).sum(-1)
+
+
 @pytest.mark.parametrize("name", ["cornell_box", "cornell_glass"])
 def test_candidates_are_walked_as_they_were_traced(embedded, name):
     """PathTracerGuided notes each bounce of its tree as it goes (`samples`). The walk finds the same ones again, but for
-    the last, which may be the light sample's. Smooth, sharp, and delta bounces; with and without reconnection."""
+    the last where a light sample has made it. Smooth, sharp, and delta bounces; with and without reconnection."""
     environment = {"environment": "5,5,5"} if name == "cornell_glass" else {}
     scene = restirpg.load_scene(embedded(name), **environment)
     renderer = make_renderer(scene, with_outputs("reuse.vertices", "reuse.reservoirs", "paths.samples"), seed=12)
@@ -192,8 +197,12 @@ def test_candidates_are_walked_as_they_were_traced(embedded, name):
         assert np.array_equal(walked["surface"][there] & 0xFFFF, traced["surface"][there] & 0xFFFF)
         aimed = there & (bounce == k - 1)  # at x_k, not copied
         assert np.array_equal(walked["direction"][there & ~aimed], traced["direction"][there & ~aimed])
-        cosine = [oracle.unpack_direction(vertices["direction"][aimed]) for vertices in (walked, traced)]
-        assert np.prod(cosine, axis=0).sum(-1).min() > 1 - 1e-6
+        assert cosines(walked[aimed], traced[aimed]).min() > 1 - 1e-6
+        final = valid(walked) & (walked["surface"] & oracle.FINAL != 0)
+        by_light_sample = walked["surface"] & oracle.LIGHT_SAMPLED != 0
+        assert cosines(walked[final & ~by_light_sample], traced[final & ~by_light_sample]).min() > 1 - 1e-6
+        other = final & by_light_sample
+        assert other.sum() > 50 and (cosines(walked[other], traced[other]) < 1 - 1e-6).mean() > 0.99
         for where, mask in (
             ("beyond x_k", (k > 0) & (bounce > k)),
             ("before x_k", bounce < k),
