@@ -26,8 +26,9 @@ void main()
     if (r.ucw <= 0.0)
         return;
     PathWalk walk = begin_walk(primary_hit(params.surface, pixel));
+    bool valued = params.incident != 0u || learns_alpha();
     PathVertex v;
-    while (walk_bounce(r, params.learnedBounces, walk, v)) {
+    while (walk_bounce(r, params.learnedBounces, valued, walk, v)) {
         if (is_wanted(v))
             add_sample(grid, make_sample(v, params.incident != 0u ? 1.0 / vertex_scatter(v) : 1.0, 0.0));
     }

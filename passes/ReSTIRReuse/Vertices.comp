@@ -20,7 +20,7 @@ void main()
     if (r.ucw > 0.0) {
         PathWalk walk = begin_walk(primary_hit(params.surface, pixel));
         PathVertex v;
-        while (walk_bounce(r, PATH_TOLD, walk, v))
+        while (walk_bounce(r, PATH_TOLD, true, walk, v))
             vertices.at[next++] = v;
     }
     while (next < end)

@@ -92,6 +92,8 @@ bool trace_bounce(inout PartialPath path, out float t)
 bool replay(PathReservoir r, ShadingPoint x1, uint bounces, out PartialPath path)
 {
     path = begin_path(x1);
+    if (bounces == 0u)  // CPU devices skip a branch that no lane takes, but run the body of a loop at least once
+        return true;
     for (uint u = 1u; u <= bounces; ++u) {
         if (!replay_bounce(r, u, path))
             return false;

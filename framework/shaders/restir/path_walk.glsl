@@ -58,18 +58,27 @@ bool walk_edge(PathReservoir r, inout PathWalk walk)
     return true;
 }
 
+/// f |cos| of the smooth label.
+vec3 smooth_value(ShadingPoint p, vec3 wi)
+{
+    vec3 local = to_local(p.local_frame, wi);
+    return bsdf_eval(p.bsdf, p.wo, local, label_lobes(p.bsdf, LABEL_SMOOTH)) * abs(local.z);
+}
+
 /// Is there another bounce, of the first `count` and PATH_TOLD? Then `v` is that vertex, not valid where the bounce is sharp, and the walk
-/// goes on behind it. r.ucw > 0.
-bool walk_bounce(PathReservoir r, uint count, inout PathWalk walk, out PathVertex v)
+/// goes on behind it. r.ucw > 0. `valued`: v has the bounce's scatter and density, too.
+bool walk_bounce(PathReservoir r, uint count, bool valued, inout PathWalk walk, out PathVertex v)
 {
     v = no_path_vertex();
     uint u = walk.bounce, last = min(path_edges(r) - 1u, min(count, PATH_TOLD));
     if (u > last || !find_direction(r, walk))
         return false;
     ShadingPoint p = walk.path.point;
-    vec3 local = to_local(p.local_frame, walk.path.wi);
     uint label = path_label(r.labels, u);
-    v = record_bounce(p, walk.material, label, walk.path.wi, bsdf_eval(p.bsdf, p.wo, local, label_lobes(p.bsdf, label)) * abs(local.z));
+    if (valued)
+        v = record_bounce(p, walk.material, label, walk.path.wi, smooth_value(p, walk.path.wi));
+    else if (label == LABEL_SMOOTH)
+        v = make_path_vertex(p.position, p.normal, walk.material, walk.path.wi, 1.0, 1.0);
     if (u + 1u == path_edges(r))
         set_final(v, (r.shape & PATH_LIGHT_SAMPLED) != 0u);
     if (u == last || !walk_edge(r, walk))
