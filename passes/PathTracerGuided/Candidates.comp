@@ -81,8 +81,9 @@ void note_bounce_in_path(inout PathReservoir path, uint u, Bounce s)
     path.labels = set_path_label(path.labels, u, s.label);
     if (s.delta)
         set_delta_bounce(path, u);
-    if (s.label == LABEL_SMOOTH && u <= PATH_PREFIX)
-        path.prefix[u - 1u] = pack_direction(s.wi);
+    uint slot = prefix_slot(path.labels, u);
+    if (s.label == LABEL_SMOOTH && slot < PATH_PREFIX)
+        path.prefix[slot] = pack_direction(s.wi);
 }
 
 /// The tree's vertex becomes x_k, which the path leaves in direction wi.

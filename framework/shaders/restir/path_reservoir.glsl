@@ -51,6 +51,13 @@ uint set_path_label(uint labels, uint bounce, uint label)
     return (labels & ~(3u << shift)) | (label << shift);
 }
 
+/// Where the direction of a smooth bounce stands in `prefix`, if it is below PATH_PREFIX: how many smooth bounces come before it.
+uint prefix_slot(uint labels, uint bounce)
+{
+    uint sharp = (labels | labels >> 1u) & 0x55555555u & ((1u << (2u * bounce - 2u)) - 1u);
+    return bounce - 1u - uint(bitCount(sharp));
+}
+
 /// May the edge between two surface vertices reconnect? By the labels of its two ends and its length [shaders/README: What may reconnect].
 bool is_connectable(uint label_before, uint label_after, float edge_length)
 {

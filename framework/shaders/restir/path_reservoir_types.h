@@ -18,7 +18,7 @@ struct PathReservoir {
     uint labels;  ///< LABEL_* of bounce u in bits 2u - 2 and 2u - 1
     uint pixel;  ///< key of the candidate's random numbers, with `frame`: replays sharp bounces
     uint frame;  ///< with the tree's number, see tree_key
-    uvec4 prefix;  ///< packed directions of the smooth bounces 1 to 4, world space; beyond x_k for guides alone
+    uvec4 prefix;  ///< packed directions of the first smooth bounces, world space; beyond x_k for guides alone
     uvec2 anchor;  ///< 0 < k < D: instance and triangle of x_k; else LightPoint's instance and index
     vec2 place;  ///< barycentrics of x_k; else LightPoint::place
     uint direction;  ///< 0 < k < D: packed direction in which the path leaves x_k
@@ -27,8 +27,8 @@ struct PathReservoir {
     vec3 suffix;  ///< 0 < k < D: what lies beyond the bounce at x_k, as in f: bounces, absorption, light
 };
 
-/// Bounces whose direction is kept where they are smooth; a path that would have to replay a later one cannot be
-/// shifted [shaders/README: What may reconnect].
+/// Smooth bounces whose direction is kept; a path that would have to replay a later one cannot be shifted
+/// [shaders/README: What may reconnect].
 RESTIRPG_CONST PATH_PREFIX = 4u;
 /// Bounces of a path that its reservoir tells are at most so many: those of the prefix, and those at both ends of the
 /// edge that reconnects [shaders/README: Learning: the splat].

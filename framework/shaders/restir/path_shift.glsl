@@ -49,9 +49,10 @@ bool replay_direction(PathReservoir r, uint bounce, inout PartialPath path, out 
     if (lobes == 0u)
         return false;
     if (label == LABEL_SMOOTH) {
-        if (bounce > PATH_PREFIX)
+        uint slot = prefix_slot(r.labels, bounce);
+        if (slot >= PATH_PREFIX)
             return false;
-        path.wi = unpack_direction(r.prefix[bounce - 1u]);
+        path.wi = unpack_direction(r.prefix[slot]);
         local = to_local(p.local_frame, path.wi);
         return true;
     }
