@@ -109,12 +109,6 @@ inline PortType anyPerPixel(const std::string& name)
     return {name};
 }
 
-/// As much per pixel as the output has that is wired to `input`.
-inline PortType asMuchAs(const std::string& name, const In<Buffer>& input)
-{
-    return {name, 0, 0, {}, [&input] { return input.pixelBytes(); }};
-}
-
 /// A resource whose size does not follow the image.
 inline PortType fixedSize(const std::string& name, std::function<uint64_t()> bytes)
 {

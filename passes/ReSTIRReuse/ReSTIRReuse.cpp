@@ -1,7 +1,6 @@
 #include "Shared.h"
 #include "graph/neighbour_knobs.h"
 #include "render/frame.h"
-#include "shaders/restir/path_vertex_types.h"
 
 #include <algorithm>
 
@@ -21,9 +20,6 @@ public:
         historyInputs(io, motion_, previousSurface_, history_, reservoir, "reuse.reservoirs");
         io.output("radiance", radiance_, image(3), "light of the chosen path, or of all merged paths, W/sr/m^2");
         io.output("reservoirs", reservoirs_, reservoir, "the path that each pixel keeps at the end of the frame");
-        io.output("vertices", vertices_, severalPerPixel<PathVertex>("PathVertices", [] { return PATH_TOLD; }),
-                  "the bounces of that path that its reservoir tells, as it stands in this pixel; for inspection, "
-                  "GuidingSplat reads reservoirs");
         io.knob("temporal", temporal_, "merge with what the same surface kept in the frame before");
         io.knob("cap", cap_, 1, 1000,
                 "largest confidence of the history, in multiples of the candidate's own (Lin et al. 2022: 20)");
@@ -48,8 +44,6 @@ public:
         spatialKernel_ = Kernel(device, passFile("Spatial.comp"), {{"RECIPROCAL", reciprocal_ ? "1" : "0"}}, {},
                                 compileIf(rounds_ > 0));
         shadeKernel_ = Kernel(device, passFile("Shade.comp"), {}, {}, compileIf(bool(radiance_)));
-        if (vertices_)
-            verticesKernel_ = Kernel(device, passFile("Vertices.comp"));
     }
 
     void record(Frame& frame) override
@@ -81,9 +75,6 @@ public:
             parameters.radiance = radiance_->address();
             frame.dispatchPixels(shadeKernel_, parameters);
         }
-        if (vertices_)
-            frame.dispatchPixels(verticesKernel_, ReuseVerticesParameters{parameters.frame, parameters.surface,
-                                                                          parameters.source, vertices_->address()});
     }
 
 private:
@@ -117,7 +108,7 @@ private:
     static void takeAsSource(ReuseParameters& parameters) { parameters.source = parameters.reservoirs; }
 
     In<Buffer> surface_, candidates_, motion_, previousSurface_, history_;
-    Out<Buffer> radiance_, reservoirs_, vertices_;
+    Out<Buffer> radiance_, reservoirs_;
     bool temporal_ = true;
     float cap_ = 20;
     uint32_t rounds_ = 1;
@@ -126,7 +117,7 @@ private:
     bool reciprocal_ = false;
     bool shadeMerged_ = false;
     Buffer scratch_[3], images_, partners_;
-    Kernel temporalKernel_, pairsKernel_, imagesKernel_, spatialKernel_, shadeKernel_, verticesKernel_;
+    Kernel temporalKernel_, pairsKernel_, imagesKernel_, spatialKernel_, shadeKernel_;
 };
 
 }  // namespace restirpg

@@ -31,12 +31,5 @@ struct PathImage {
     vec2 place;
 };
 
-struct ReuseVerticesParameters {
-    Address frame;  ///< FrameConstants
-    Address surface;  ///< PrimaryHit per pixel
-    Address source;  ///< PathReservoir per pixel: the path it ends the frame with
-    Address vertices;  ///< PathVertex, PATH_TOLD per pixel, written
-};
-
 RESTIRPG_SHARED_END
 #endif

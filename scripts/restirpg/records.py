@@ -1,5 +1,5 @@
 """The records that kernels write, as NumPy sees them:
-`renderer.read_port("reuse.vertices").view(record("PathVertex"))`.
+`renderer.read_port("reuse.reservoirs").view(record("PathReservoir"))`.
 
 Layouts and constants are read from the headers that C++ and GLSL share: framework/shaders/*_types.h and the passes'
 Shared.h, also those of passes along RESTIRPG_PLUGIN_PATH. An unknown name is a restirpg.WrongValueError.

@@ -83,13 +83,12 @@ private:
     uint32_t count_ = 16;
 };
 
-/// Its outputs follow the size of its input; the second one cannot be had where that is large.
+/// Its output follows the size of its input, and cannot be had where that is large.
 class Following final : public Pass {
 public:
     void describe(Interface& io) override
     {
         io.input("values", values_, anyPerPixel("Values"), "Values");
-        io.output("same", same_, asMuchAs("Same", values_), "As much");
         io.output("limited", limited_, severalPerPixel<float>("Limited", [this] { return atMost(100); }), "As many");
     }
     void build(Device&) override {}
@@ -105,7 +104,7 @@ private:
     }
 
     In<Buffer> values_;
-    Out<Buffer> same_, limited_;
+    Out<Buffer> limited_;
 };
 
 /// So many bytes are left of it while this lives.
@@ -198,7 +197,7 @@ TEST(ThrowingPass, AKnobThatTheOutputsOfAnotherPassCannotFollowChangesNothing)
     const BindingSet noScene(device);
     Writer writer;
     writer.add("several", "Several").add("following", "Following", {{"values", "several.values"}});
-    writer.output("same", "following.same").output("limited", "following.limited");
+    writer.output("limited", "following.limited");
     Executor executor(
         device,
         std::make_unique<Graph>(writer.graph, Plugins({entry<Several>("Several"), entry<Following>("Following")})), 8,

@@ -14,6 +14,7 @@
 #include "../../passes/GuidingSplat/Shared.h"
 #include "../../passes/GuidingView/Shared.h"
 #include "../../passes/PathTracerGuided/Shared.h"
+#include "../../passes/PathVertices/Shared.h"
 #include "../../passes/ReSTIRDI/Shared.h"
 #include "../../passes/ReSTIRReuse/Shared.h"
 #include "../../passes/ToneMap/Shared.h"
@@ -116,7 +117,7 @@ const std::vector<Layout> LAYOUTS = {
     LAYOUT(PathImage, f, geometry, jacobian, anchor, place),
     LAYOUT(ReuseParameters, frame, surface, previousSurface, motion, source, history, reservoirs, radiance, images,
            partners, cap, round, rules),
-    LAYOUT(ReuseVerticesParameters, frame, surface, source, vertices),
+    LAYOUT(PathVerticesParameters, frame, surface, paths, vertices),
     LAYOUT(GuidingGrid, camera, scale, origin, smallest),
     LAYOUT(GuidingHeader, grid, capacity, options, cells, collisions, failed, samples, fitted, guiding),
     LAYOUT(GuidingSums, lanes, strangest, bsdf, count),
@@ -149,8 +150,9 @@ std::string kernelText()
     }
     std::string includes =
         "#include \"prelude.glsl\"\n#include \"math/double_single_types.h\"\n#include \"restir/path_vertex_types.h\"\n";
-    for (const char* pass : {"Accumulate", "ErrorMeasure", "GBuffer", "GuidingChain", "GuidingFit", "GuidingScreen",
-                             "GuidingSplat", "GuidingView", "PathTracerGuided", "ReSTIRDI", "ReSTIRReuse", "ToneMap"})
+    for (const char* pass :
+         {"Accumulate", "ErrorMeasure", "GBuffer", "GuidingChain", "GuidingFit", "GuidingScreen", "GuidingSplat",
+          "GuidingView", "PathTracerGuided", "PathVertices", "ReSTIRDI", "ReSTIRReuse", "ToneMap"})
         includes += fmt::format("#include \"{}/passes/{}/Shared.h\"\n", RESTIRPG_SOURCE, pass);
     return "#version 460\n" + includes +
            "layout(local_size_x = 1) in;\nlayout(push_constant) uniform Push { Address address; };\n" + declarations +

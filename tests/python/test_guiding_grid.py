@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from renderer_scenes import ROOT, check_samples, make_renderer, restirpg
 
-from restirpg.harness.guiding import level_of
+from restirpg.harness.guiding import LEARNT, level_of, with_learnt_paths
 from restirpg.records import constant
 from restirpg.scenes import shapes
 from restirpg.scenes.gltf import SceneFile, lambert
@@ -73,7 +73,7 @@ def training_samples(renderer):
     splat, names = renderer.knobs()["splat"], renderer.output_names
     if "samples" in names:
         return renderer.read_port("paths.samples").view(oracle.SAMPLE).copy()
-    vertices = renderer.read_port("reuse.vertices").view(oracle.VERTEX)
+    vertices = renderer.read_port(f"{LEARNT}.vertices").view(oracle.VERTEX)
     samples = np.zeros(len(vertices), oracle.SAMPLE)
     for name in oracle.VERTEX.names:
         samples[name] = vertices[name]
@@ -128,7 +128,8 @@ def record(scene, graph, move=0.0, count=FRAMES, leaves=None, **knobs):
 def graph_of(name):
     """A graph of graphs/, with what it trains on as outputs."""
     description = restirpg.load_graph(ROOT / "graphs" / f"{name}.py").description
-    port = {"restir_pg": ("reuse", "vertices"), "raw_pt_ruppert2020": ("paths", "samples")}[name]
+    description = with_learnt_paths(description) or description
+    port = {"restir_pg": (LEARNT, "vertices"), "raw_pt_ruppert2020": ("paths", "samples")}[name]
     description["outputs"].append({"name": port[1], "pass": port[0], "output": port[1]})
     return description
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from renderer_scenes import ROOT, make_renderer, restirpg
 
+from restirpg.harness.guiding import LEARNT, with_learnt_paths
 from restirpg.scenes import shapes
 from restirpg.scenes.gltf import SceneFile, lambert
 
@@ -22,14 +23,15 @@ def views(scene):
         }
         graph["passes"].append({"name": show, "type": "GuidingView", "inputs": inputs, "knobs": {"show": show}})
         graph["outputs"].append({"name": show, "pass": show, "output": "image"})
-    graph["outputs"].append({"name": "vertices", "pass": "reuse", "output": "vertices"})
+    graph = with_learnt_paths(graph)
+    graph["outputs"].append({"name": "vertices", "pass": LEARNT, "output": "vertices"})
     renderer = make_renderer(scene, graph, seed=2)
     renderer.set("splat.cell_size", 0.15)
     renderer.render(4)
     header, cells, _ = oracle.read_table(renderer.read_port("fit.guide"), oracle.CELL, oracle.MEMORY)
     grid, first = (
         oracle.grid_of(header, renderer.get("splat.smallest_cell")),
-        renderer.read_port("reuse.vertices").view(oracle.VERTEX).reshape(32, 32, -1)[..., 0].ravel(),
+        renderer.read_port(f"{LEARNT}.vertices").view(oracle.VERTEX).reshape(32, 32, -1)[..., 0].ravel(),
     )
     keys, doubtful = grid.keys(grid.positions(first["position"]), oracle.vertex_face(first), first["surface"] & 0xFFFF)
     keys[~oracle.is_valid(first) | doubtful] = 0

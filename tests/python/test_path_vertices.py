@@ -12,6 +12,7 @@ import pytest
 from renderer_scenes import ROOT, make_renderer, restirpg
 from triangles import load_triangles
 
+from restirpg.harness.guiding import LEARNT, with_learnt_paths
 from restirpg.records import constant, record
 
 FRAMES = 4
@@ -19,6 +20,7 @@ FRAMES = 4
 PREFIX, TOLD = constant("PATH_PREFIX"), constant("PATH_TOLD")
 #: Length of the edges that are tested, m: on shorter ones the rounding of positions shows.
 LONG = 0.02
+VERTICES = f"{LEARNT}.vertices"
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +30,7 @@ def box(scene_file):
 
 def with_outputs(*ports):
     """ReSTIR PG with these ports as outputs."""
-    graph = restirpg.load_graph(ROOT / "graphs" / "restir_pg.py").description
+    graph = with_learnt_paths(restirpg.load_graph(ROOT / "graphs" / "restir_pg.py").description)
     for port in ports:
         name, output = port.split(".")
         graph["outputs"].append({"name": f"{name}_{output}", "pass": name, "output": output})
@@ -36,7 +38,7 @@ def with_outputs(*ports):
 
 
 def read_vertices(renderer):
-    return renderer.read_port("reuse.vertices").view(oracle.VERTEX).reshape(-1, TOLD)
+    return renderer.read_port(VERTICES).view(oracle.VERTEX).reshape(-1, TOLD)
 
 
 def read_reservoirs(renderer):
@@ -60,7 +62,7 @@ def without_reuse(renderer):
 def frames(scene, request):
     """[(camera, grid, vertices (pixels, bounces), positions (pixels, bounces, 3), reservoirs, D, k)] of a camera that
     moves, with so many path trees per pixel, with or without reuse."""
-    renderer = make_renderer(scene, with_outputs("reuse.vertices", "reuse.reservoirs"), seed=11)
+    renderer = make_renderer(scene, with_outputs(VERTICES, "reuse.reservoirs"), seed=11)
     trees, reuses = request.param
     renderer.set("paths.trees", trees)
     if not reuses:
@@ -180,7 +182,7 @@ def test_candidates_are_walked_as_they_were_traced(embedded, name):
     the last where a light sample has made it. Smooth, sharp, and delta bounces; with and without reconnection."""
     environment = {"environment": "5,5,5"} if name == "cornell_glass" else {}
     scene = restirpg.load_scene(embedded(name), **environment)
-    renderer = make_renderer(scene, with_outputs("reuse.vertices", "reuse.reservoirs", "paths.samples"), seed=12)
+    renderer = make_renderer(scene, with_outputs(VERTICES, "reuse.reservoirs", "paths.samples"), seed=12)
     without_reuse(renderer)
     compared = {"beyond x_k": 0, "before x_k": 0, "without x_k": 0, "fifth bounce": 0}
     for _ in range(3):
@@ -229,13 +231,13 @@ def test_directions_of_another_pixel_are_found(frames):
 def test_what_flies_away_takes_the_sphere_along_until_the_run_ends(scene, box):
     """In the frame in which the sphere becomes another, positions of the frame before mean nothing. A run that follows
     begins with the sphere that a new renderer has."""
-    renderer = make_renderer(scene, with_outputs("reuse.vertices"), seed=13)
+    renderer = make_renderer(scene, with_outputs(VERTICES), seed=13)
 
     def sphere():
         """Vertices' positions, and the radius that they are packed by."""
         header = oracle.read_table(renderer.read_port("splat.statistics"), oracle.SUMS)[0]
         grid = oracle.grid_of(header, renderer.get("splat.smallest_cell"))
-        vertices = renderer.read_port("reuse.vertices").view(oracle.VERTEX)
+        vertices = renderer.read_port(VERTICES).view(oracle.VERTEX)
         return grid.positions(vertices["position"][valid(vertices)]), grid.radius
 
     down = np.eye(4)

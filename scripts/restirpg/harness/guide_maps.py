@@ -14,6 +14,7 @@ from restirpg.colour import luminance
 from restirpg.harness import UserError, plots  # noqa: F401  (chooses matplotlib's backend and style)
 from restirpg.harness.guiding import (
     CELL,
+    LEARNT,
     MEMORY,
     SAMPLE,
     VERTEX,
@@ -24,6 +25,7 @@ from restirpg.harness.guiding import (
     unpack_direction,
     vertex_face,
     vertex_scatter,
+    with_learnt_paths,
 )
 
 from matplotlib.figure import Figure  # isort: skip
@@ -68,14 +70,20 @@ class Learner:
     def __init__(self, scene, description, pixels, size, bounces=None, cell_size=None, raw=False, strict=True):
         self._pixels, self._size, self._raw, self._strict = pixels, size, raw, strict
         self._names = names = GuidedGraph(description)
-        self._port = (names.paths, "samples") if raw else (names.reuse, "vertices")
+        self._port = (names.paths, "samples") if raw else (LEARNT, "vertices")
         shown = [
             {"name": "training", "pass": self._port[0], "output": self._port[1]},
             {"name": "normal", "pass": names.gbuffer, "output": "geometric_normal"},
             {"name": "depth", "pass": names.gbuffer, "output": "depth"},
             {"name": "material", "pass": names.gbuffer, "output": "material"},
         ]
-        graph = {**description, "outputs": description["outputs"] + shown}
+        made = description if raw else with_learnt_paths(description)
+        if made is None:
+            name = description.get("name")
+            raise UserError(
+                f"graph '{name}': its guide learns from raw samples; --raw shows those of unguided path trees"
+            )
+        graph = {**made, "outputs": description["outputs"] + shown}
         self._renderer = restirpg.Renderer(scene, graph, size=tuple(size), bounces=bounces)
         if cell_size:
             self._renderer.set(f"{names.splat}.cell_size", cell_size)

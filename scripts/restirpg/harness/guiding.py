@@ -180,6 +180,20 @@ def passes_of(description, *types):
     return [names[kind] for kind in types]
 
 
+LEARNT = "learnt_paths"
+
+
+def with_learnt_paths(description):
+    """A copy of a graph's description with a pass LEARNT of type PathVertices: its output `vertices` has the bounces that the
+    graph's GuidingSplat learns from. None where that learns from `samples`, or there is none."""
+    splats = [entry["inputs"] for entry in description["passes"] if entry["type"] == "GuidingSplat"]
+    wired = next((inputs for inputs in splats if inputs.get("paths")), None)
+    if wired is None:
+        return None
+    added = {"name": LEARNT, "type": "PathVertices", "inputs": {name: wired[name] for name in ("surface", "paths")}}
+    return {**description, "passes": [*description["passes"], added]}
+
+
 class GuidedGraph:
     """Names of the passes by which a graph's description guides."""
 

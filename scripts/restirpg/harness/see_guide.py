@@ -13,7 +13,7 @@ Kullback-Leibler divergence of the directions' histogram from the product, the s
 draws from the product itself (the least that chance allows), and chi-square over its degrees of freedom,
 against the count of samples. [Zeng et al. 2025, figure 4]
 
---raw: instead of the vertices of the paths that were selected, those of raw unguided path trees, weighted by
+--raw: instead of the vertices of the paths that the guide learns from, those of raw unguided path trees, weighted by
 light, BSDF and cosine.
 """
 
@@ -46,7 +46,7 @@ def parse(arguments):
         "--graph",
         type=Path,
         default=restirpg.GRAPHS / "restir_pg.py",
-        help="a graph with the passes GuidingSplat, GuidingFit and ReSTIRReuse",
+        help="a graph with the passes GuidingSplat, GuidingFit and ReSTIRReuse, which learns from paths unless --raw is given",
     )
     parser.add_argument("--frames", type=program.positive, default=64, help="frames to learn from (%(default)s)")
     parser.add_argument("--size", type=program.size, default=(160, 90), metavar="WxH", help="pixels (160x90)")

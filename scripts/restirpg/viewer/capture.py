@@ -8,6 +8,7 @@ from pathlib import Path
 
 import restirpg
 from restirpg.harness import UserError
+from restirpg.harness.guiding import LEARNT
 
 from . import camera, graphs, pictures
 
@@ -39,14 +40,18 @@ def save(session, pane, file):
     picture alone, as it is shown: the graph's own means are over all moves."""
     pane.renderer.save(file, output=pane.renderer.output_names[0] if session.keep else "")
     attributes = restirpg.read_exr_attributes(file)
+    graph = json.loads(attributes["restirpg.graph"])
+    graph["passes"] = [entry for entry in graph["passes"] if entry["name"] != LEARNT]
+    attributes["restirpg.graph"] = json.dumps(graph)
     if session.keep:
         attributes |= {f"restirpg.{name}": text for name, text in {"frames": str(pane.frames), **_KEPT}.items()}
-        restirpg.write_exr(file, {"": pane.picture()}, attributes=attributes)
-    elif session.follows and attributes.pop(_POSE, None):
+    elif session.follows:
         # A renderer cannot go back to the scene's own camera: once it was moved, it is always given a pose, and its files
         # say so. Here that pose is the scene's own, which a header leaves out: with a pose, compare.py and
         # `restirpg view` would take the file for one whose camera was moved.
-        restirpg.write_exr(file, _layers(pane.renderer), attributes=attributes)
+        attributes.pop(_POSE, None)
+    layers = {"": pane.picture()} if session.keep else _layers(pane.renderer)
+    restirpg.write_exr(file, layers, attributes=attributes)
 
 
 def _layers(renderer):

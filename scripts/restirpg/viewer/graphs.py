@@ -3,6 +3,7 @@
 import functools
 
 import restirpg
+from restirpg.harness import guiding
 from restirpg.harness.render import frame_port
 
 
@@ -50,16 +51,13 @@ def is_guided(description):
     return {"GuidingSplat", "GuidingFit", "ReSTIRReuse"} <= types or {"GuidingChain", "PathTracerGuided"} <= types
 
 
-def selected_vertices(description):
-    """The port with the bounces of the paths that a guide learns from, where resampling has selected them; else None. So
-    it is for a description that cannot be read: the renderer says what is wrong with it, and where."""
+def with_learnt_paths(description):
+    """guiding.with_learnt_paths, with None for a description that cannot be read, too: the renderer says what is wrong with
+    it, and where."""
     try:
-        reuse = {entry["name"] for entry in description["passes"] if entry["type"] == "ReSTIRReuse"}
-        splats = [entry for entry in description["passes"] if entry["type"] == "GuidingSplat"]
-        learnt = [(entry["inputs"].get("paths") or {}).get("pass") for entry in splats]
+        return guiding.with_learnt_paths(description)
     except (LookupError, TypeError, AttributeError):
         return None
-    return next((f"{name}.vertices" for name in learnt if name in reuse), None)
 
 
 def with_output(description, port):

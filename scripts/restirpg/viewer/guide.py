@@ -52,7 +52,7 @@ class _MixtureGuide:
 
     def __init__(self, pane):
         names = guiding.GuidedGraph(pane.description)
-        self.grid, self.learns_from = names.grid(pane.renderer), pane.selected_vertices
+        self.grid, self.learns_from = names.grid(pane.renderer), pane.learnt_vertices
         self._cells = guiding.read_table(pane.renderer.read_port(f"{names.fit}.guide"), guiding.CELL, guiding.MEMORY)[1]
 
     def at(self, point):

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import restirpg
+from restirpg.harness.guiding import LEARNT
 from restirpg.harness.mean_knobs import mean_of
 
 from . import graphs
@@ -15,7 +16,8 @@ class Pane:
     """A graph file, a restirpg.Graph or a description, and a Renderer of it.
 
     options: further arguments of restirpg.Renderer. A new renderer takes the place of the old one only after it was
-    made: a graph or a kernel that is refused leaves all as it was.
+    made: a graph or a kernel that is refused leaves all as it was. Where a guide learns from paths, the renderer has one
+    pass more than the graph, LEARNT, which tells what they are. Times and memory are told without it.
     """
 
     def __init__(self, scene, source, size, options):
@@ -41,9 +43,12 @@ class Pane:
         port = port if port and graphs.has_image_port(description, port) else None
         shown = graphs.with_output(description, port) if port else description
         alone = graphs.frame_output(description)
-        vertices = graphs.selected_vertices(description)
+        with_paths = graphs.with_learnt_paths(shown)
+        vertices = f"{LEARNT}.vertices" if with_paths else None
         outputs = [*self._options.get("outputs", ()), *(extra for extra in (alone, vertices) if extra)]
-        renderer = restirpg.Renderer(self._scene, shown, size=self._size, **{**self._options, "outputs": outputs})
+        renderer = restirpg.Renderer(
+            self._scene, with_paths or shown, size=self._size, **{**self._options, "outputs": outputs}
+        )
         initial = renderer.knobs()
         changed = {name: value for name, value in self.changed.items() if _value(initial, name) is not None}
         for name, value in changed.items():
@@ -53,7 +58,7 @@ class Pane:
         self.placed = False  # the renderer has a pose in place of the scene's camera
         self.renderer, self.description, self.changed, self._initial = renderer, description, changed, initial
         self.ports = graphs.image_ports(description)
-        self.frame_output, self.selected_vertices = alone, vertices
+        self.frame_output, self.learnt_vertices = alone, vertices
         self.port = port
         self.forget()
 
@@ -139,10 +144,20 @@ class Pane:
         """One more frame. kept: history goes on over moves of the camera, and the mean is the viewer's own."""
         start = time.perf_counter()
         self.renderer.render(1)
-        self.milliseconds = 1000 * (time.perf_counter() - start)
+        self.milliseconds = 1000 * (time.perf_counter() - start) - self.renderer.gpu_times().get(LEARNT, 0.0)
         self.waits = False
         if kept and self.frame_output:
             self._mean.add(self.renderer.output(self.frame_output))
+
+    @property
+    def passes(self):
+        """{pass: the device's milliseconds in the last frame}, without the pass LEARNT, which is not the graph's own."""
+        return {name: time for name, time in self.renderer.gpu_times().items() if name != LEARNT}
+
+    @property
+    def memory(self):
+        """Bytes of the graph's buffers, without those of LEARNT."""
+        return sum(size for port, size in self.renderer.memory().items() if port != self.learnt_vertices)
 
     @property
     def frames(self):

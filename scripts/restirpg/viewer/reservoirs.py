@@ -90,10 +90,10 @@ def path_at_pixel(pane, x, y, pose):
     """The smooth vertices of the path that the pixel has selected, as places in the picture: {points: [[u, v] or null],
     fractions of the picture; bounces: [u], their numbers; light: [u, v] or null, towards the light beyond the last}.
     None where no guide learns from selected paths, or the pixel has no path."""
-    if pane.selected_vertices is None:
+    if pane.learnt_vertices is None:
         return None
     width, height = pane.renderer.size
-    vertices = pane.renderer.read_port(pane.selected_vertices).view(guiding.VERTEX)
+    vertices = pane.renderer.read_port(pane.learnt_vertices).view(guiding.VERTEX)
     vertices = vertices.reshape(width * height, -1)[y * width + x]
     bounces = np.flatnonzero(guiding.is_valid(vertices))
     if bounces.size == 0:

@@ -271,8 +271,8 @@ class Session:
             {
                 "frames": pane.frames,
                 "milliseconds": pane.milliseconds,
-                "passes": pane.renderer.gpu_times(),
-                "memory": sum(pane.renderer.memory().values()),
+                "passes": pane.passes,
+                "memory": pane.memory,
                 "mape": error,
                 "no_error": self.reference.refusal(pane, truth),
                 "command": self._command(pane),

@@ -1,12 +1,14 @@
 """What the viewer tells of a pixel of a guided graph: reservoirs in words, the selected path in the picture, the
 guide."""
 
+import json
+
 import numpy as np
 import pytest
 from renderer_scenes import GRAPH, restirpg, write_far
 
 from restirpg.harness import UserError, guide_maps, guiding
-from restirpg.viewer import camera, guide, reservoirs
+from restirpg.viewer import camera, capture, guide, reservoirs
 from restirpg.viewer.session import Session
 
 SIZE = (32, 32)
@@ -52,6 +54,20 @@ def test_the_selected_path_begins_at_the_pixel_and_stays_in_the_scene(session, p
     np.testing.assert_allclose(first, [pixel["x"] + 0.5, pixel["y"] + 0.5], atol=0.05)
     # The camera looks into a box: all of it is in front.
     assert all(point is not None for point in path["points"])
+
+
+def test_times_memory_and_files_are_the_graphs_own(session, tmp_path):
+    """Without the pass that tells the viewer what paths are."""
+    plain = restirpg.Renderer(session.scene, restirpg.load_graph(GRAPH.with_name("restir_pg.py")), size=SIZE)
+    passes = [entry["name"] for entry in session.panes[0].description["passes"]]
+    assert guiding.LEARNT in session.panes[0].renderer.gpu_times() and guiding.LEARNT not in passes
+    told = session.frame().header["panes"][0]
+    assert set(told["passes"]) == set(passes)
+    shown_alone = SIZE[0] * SIZE[1] * 12  # the last frame, of which the viewer keeps a mean
+    assert told["memory"] == sum(plain.memory().values()) + shown_alone
+    capture.save(session, session.panes[0], tmp_path / "saved.exr")
+    saved = json.loads(restirpg.read_exr_attributes(tmp_path / "saved.exr")["restirpg.graph"])
+    assert [entry["name"] for entry in saved["passes"]] == passes
 
 
 def test_points_are_projected_as_pixels_see_them(session):

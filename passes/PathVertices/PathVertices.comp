@@ -5,7 +5,7 @@
 #include "restir/path_walk.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { ReuseVerticesParameters params; };
+layout(push_constant, scalar) uniform Push { PathVerticesParameters params; };
 
 void main()
 {
@@ -16,7 +16,7 @@ void main()
     PathVertexArray vertices = PathVertexArray(params.vertices);
     uint next = pixel * PATH_TOLD;
     uint end = next + PATH_TOLD;
-    PathReservoir r = PathReservoirArray(params.source).at[pixel];
+    PathReservoir r = PathReservoirArray(params.paths).at[pixel];
     if (r.ucw > 0.0) {
         PathWalk walk = begin_walk(primary_hit(params.surface, pixel));
         PathVertex v;
