@@ -11,8 +11,11 @@ The file is the runs.csv of scripts/compare.py, or has its columns scene, method
 frames. Columns are its scenes, rows its methods: the mean over seeds of the value at that frame, ± one standard error,
 and the change against a method, paired by seed or tile. `value` is a column of the file (mape, relmse; gpu_ms_total, in
 older files gpu_ms: per frame, in a file without frames as it is), `methods=a,b` and `scenes=a,b` choose and order, and
-a method's name as an option gives its row a title: restir_pt="no guiding". --check changes nothing and says which
-tables are not what their file says.
+a method's name as an option gives its row a title: restir_pt="no guiding".
+
+With pairs=a/b,c/d in place of `against` and `methods` rows are scenes, columns the changes of a against b and of c
+against d, ± one standard error, each with the p-value of the paired t-test, corrected by Holm's method for all tests of
+the table. --check changes nothing and says which tables are not what their file says.
 """
 
 import argparse
@@ -30,7 +33,7 @@ from restirpg.nearest import did_you_mean
 
 MARKER = re.compile(r"<!--\s*table\b.*")  # also one that cannot be followed
 MARKED = re.compile(r"(<!-- table: (?P<file>\S+)(?P<options>(?: .*?)?) -->\n)\n?(?:\|.*\n)*\n*")
-OPTIONS = {"frame", "value", "against", "methods", "scenes"}
+OPTIONS = {"frame", "value", "against", "methods", "scenes", "pairs"}
 
 
 NAMES = ("scene", "method", "frame", "seed", "tile")  # columns that tell the rows apart
@@ -91,12 +94,47 @@ def cell(runs, baseline, percent):
     digits = 1 if percent or mean >= 10 else 3
     spread = "" if math.isnan(error) else f" ± {scale * error:.{digits}f}"
     text = f"{scale * mean:.{digits}f}{spread}{unit}"
-    seeds = sorted(runs.keys() & baseline.keys()) if baseline is not None else []
-    if not seeds:
-        return text
-    quotient, error = statistics.ratio([runs[seed] for seed in seeds], [baseline[seed] for seed in seeds])
+    both = paired(runs, baseline)
+    return f"{text}, {change(*both)}" if both else text
+
+
+def paired(runs, baseline):
+    """Values of two {seed: value} for the seeds that both have; None: there is no such seed, or no baseline."""
+    seeds = sorted(runs.keys() & baseline.keys()) if runs and baseline else []
+    return ([runs[seed] for seed in seeds], [baseline[seed] for seed in seeds]) if seeds else None
+
+
+def change(values, baseline):
+    """The relative change of the mean, ± one standard error, in percent."""
+    quotient, error = statistics.ratio(values, baseline)
     spread = "" if math.isnan(error) else f" ± {100 * error:.1f}"
-    return f"{text}, {100 * (quotient - 1):+.1f}{spread}%"
+    return f"{100 * (quotient - 1):+.1f}{spread}%"
+
+
+def changes(runs, scenes, pairs, titles):
+    """Lines of a table of changes, one per scene; `pairs`: of methods."""
+    both = {(scene, *pair): paired(*(runs.get((scene, name)) for name in pair)) for scene in scenes for pair in pairs}
+    found = [key for key, values in both.items() if values]
+    p_values = dict(zip(found, statistics.holm([statistics.paired(*both[key]).p for key in found])))
+
+    def told(key):
+        if key not in p_values:
+            return "—"
+        return change(*both[key]) + ("" if math.isnan(p_values[key]) else f", p = {p_values[key]:.1g}")
+
+    names = [" against ".join(titles.get(name, name) for name in pair) for pair in pairs]
+    rows = [[scene, *(told((scene, *pair)) for pair in pairs)] for scene in scenes]
+    return [["", *names], ["---"] * (len(pairs) + 1), *rows]
+
+
+def pairs_of(page, options, methods):
+    """Of `pairs`. Raises UserError."""
+    pairs = [tuple(pair.split("/")) for pair in options["pairs"].split(",")]
+    if {"against", "methods"} & options.keys() or any(len(pair) != 2 for pair in pairs):
+        raise UserError(f"{page}: pairs={options['pairs']}: give pairs=a/b,c/d, without against and methods")
+    for name in (name for pair in pairs for name in pair):
+        check_name(page, "pairs", name, methods)
+    return pairs
 
 
 def table(page, file, options):
@@ -115,6 +153,8 @@ def table(page, file, options):
         check_name(page, "against", against, known)
     for name in options.keys() - OPTIONS:
         check_name(page, "an option", name, [*sorted(OPTIONS), *known])
+    if "pairs" in options:
+        return written(changes(runs, chosen["scenes"], pairs_of(page, options, known), options))
     lines = [["", *chosen["scenes"]], ["---"] * (len(chosen["scenes"]) + 1)]
     for method in chosen["methods"]:
         cells = [
@@ -126,6 +166,11 @@ def table(page, file, options):
             for scene in chosen["scenes"]
         ]
         lines.append([options.get(method, method), *cells])
+    return written(lines)
+
+
+def written(lines):
+    """A table in Markdown."""
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 

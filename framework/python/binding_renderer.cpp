@@ -295,6 +295,8 @@ void bindMotion(py::class_<SharedRenderer>& renderer)
     renderer.def_property_readonly("camera", &camera, CAMERA)
         .def("move_camera", &moveCamera, MOVE_CAMERA, "position"_a = py::none(), "target"_a = py::none(),
              "up"_a = py::none(), "yfov"_a = py::none())
+        .def("follow_scene_camera", shared(&Renderer::followSceneCamera),
+             "Look from the scene's own camera again, which its animation may move, from the next frame on.")
         .def("move_node", &moveNode, MOVE_NODE, "node"_a, "matrix"_a)
         .def("scene_cameras", &sceneCameras, SCENE_CAMERAS)
         .def("set_time", shared(&Renderer::setTime), "Time of the scene's animation at the next frame, s.", "seconds"_a)

@@ -76,6 +76,8 @@ public:
 
     CameraPose camera() const;
     void moveCamera(const CameraPose& pose);
+    /// Look from the scene's own camera again, from the next frame on.
+    void followSceneCamera() { cameraOverride_.reset(); }
     /// Give the node a local matrix (relative to its parent), from the next frame on. Throws Error when no node, or
     /// more than one, has that name; names can be empty.
     void moveNode(const std::string& name, const glm::mat4& local);

@@ -36,6 +36,20 @@ def test_the_camera_is_moved_in_parts(renderer):
     assert "span" in refusal(renderer.move_camera, target=renderer.camera["position"])
 
 
+def test_the_scenes_own_camera_is_followed_again(scene, tmp_path):
+    renderer = make_renderer(scene, seed=1)
+    before, pose = image_after(renderer, 1), renderer.camera
+    renderer.move_camera(position=(0.2, 1.0, 3.0))
+    renderer.render(1)
+    renderer.follow_scene_camera()
+    assert renderer.camera == pose
+    renderer.seed = 1
+    renderer.cut()
+    assert image_after(renderer, 1).tobytes() == before.tobytes()
+    renderer.save(tmp_path / "own.exr")
+    assert "restirpg.pose" not in restirpg.read_exr_attributes(tmp_path / "own.exr")
+
+
 def test_a_camera_far_from_the_origin_is_moved_to_where_it_stands(tmp_path):
     scene, eye, place = SceneFile("box", 0, environment=(1.0, 1.0, 1.0)), (-1.86, 0.0, 2.48), (4e6, 0.0, 4e6)
     scene.add("Box", (shapes.box((-1, -1, -1), (1, 1, 1)), lambert("Box", (0.5, 0.5, 0.5))))

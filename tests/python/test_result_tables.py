@@ -90,7 +90,7 @@ def test_a_figure_that_the_file_does_not_have_is_found(page):
         ("value=mape", "frame must be given, as in frame=12: runs.csv has several"),
         (
             "frame=4 value=mape secnd=other",
-            "an option=secnd: there are: against, frame, methods, scenes, value, first, second",
+            "an option=secnd: there are: against, frame, methods, pairs, scenes, value, first, second",
         ),
         ("frame=5 value=mape", "frame=5: no run of runs.csv has it"),
         ("frame=last value=mape", "frame=last: it is a whole number"),
@@ -99,6 +99,9 @@ def test_a_figure_that_the_file_does_not_have_is_found(page):
         ("frame=4 value=mape methods=first,secnd", "methods=secnd: there are: first, second; did you mean 'second'?"),
         ("frame=4 value=mape scenes=rom", "scenes=rom: there are: room, hall; did you mean 'room'?"),
         ("frame=4 value=mape against=frst", "against=frst: there are: first, second; did you mean 'first'?"),
+        ("frame=4 value=mape pairs=second/frst", "pairs=frst: there are: first, second; did you mean 'first'?"),
+        ("frame=4 value=mape pairs=second", "give pairs=a/b,c/d, without against and methods"),
+        ("frame=4 value=mape pairs=second/first against=first", "give pairs=a/b,c/d, without against and methods"),
     ],
 )
 def test_a_marker_that_cannot_be_followed_is_one_line(page, options, words):
@@ -116,6 +119,24 @@ def test_a_marker_that_is_written_otherwise_is_not_passed_over(page, marker):
     page.write_text(f"{marker}\n")
     done = run(page)
     assert done.returncode == 2 and done.stderr.count("\n") == 1 and str(page) in done.stderr
+
+
+def test_changes_are_tested_and_corrected_for_all_tests_of_the_table(tmp_path):
+    """t-tests with one degree of freedom: p = 1 - 2 atan(|t|) / pi."""
+    lines = ["scene,method,tile,mape"]
+    # By room: differences 0.1 and 0.2, t = 3, p = 0.205; by hall: 0.1 and 0.3, t = 2, p = 0.295. Holm: 2 x 0.205, then that.
+    for scene, differences in (("room", (0.1, 0.2)), ("hall", (0.1, 0.3))):
+        for tile, difference in enumerate(differences):
+            lines += [f"{scene},first,{tile},0.5", f"{scene},second,{tile},{0.5 - difference}"]
+    (tmp_path / "tiles.csv").write_text("\n".join([*lines, "shed,first,0,1", "shed,second,0,2", "yard,first,0,1"]) + "\n")
+    page = tmp_path / "page.md"
+    page.write_text('<!-- table: tiles.csv value=mape pairs=second/first second="the second" -->\n')
+    done = run(page)
+    assert done.returncode == 0, done.stderr
+    assert page.read_text().partition("\n\n")[2] == (
+        "|  | the second against first |\n| --- | --- |\n| room | -30.0 ± 10.0%, p = 0.4 |\n"
+        "| hall | -40.0 ± 20.0%, p = 0.4 |\n| shed | +100.0% |\n| yard | — |\n\n"
+    )
 
 
 def test_times_of_a_file_without_frames_are_as_they_are(tmp_path):

@@ -12,7 +12,6 @@ from restirpg.harness.guiding import LEARNT
 
 from . import camera, graphs, pictures
 
-_POSE = "restirpg.pose"
 #: Of a picture that depends on earlier moves of the camera.
 _KEPT = {"history": "kept over moves of the camera"}
 
@@ -45,11 +44,6 @@ def save(session, pane, file):
     attributes["restirpg.graph"] = json.dumps(graph)
     if session.keep:
         attributes |= {f"restirpg.{name}": text for name, text in {"frames": str(pane.frames), **_KEPT}.items()}
-    elif session.follows:
-        # A renderer cannot go back to the scene's own camera: once it was moved, it is always given a pose, and its files
-        # say so. Here that pose is the scene's own, which a header leaves out: with a pose, compare.py and
-        # `restirpg view` would take the file for one whose camera was moved.
-        attributes.pop(_POSE, None)
     layers = {"": pane.picture()} if session.keep else _layers(pane.renderer)
     restirpg.write_exr(file, layers, attributes=attributes)
 

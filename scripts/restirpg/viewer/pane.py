@@ -67,9 +67,12 @@ class Pane:
         self.build(self.port)
 
     def place(self, pose):
-        """Look from there."""
-        self.renderer.move_camera(**pose)
-        self.placed = True
+        """Look from there, or (None) from the scene's own camera."""
+        if pose is None:
+            self.renderer.follow_scene_camera()
+        else:
+            self.renderer.move_camera(**pose)
+        self.placed = pose is not None
 
     def forget(self):
         """Begin the viewer's own mean anew; the renderer's history stays. Until its next frame the graph `waits`."""

@@ -79,7 +79,7 @@ class Session:
     def move(self, pose):
         """Look from another place, from the next frame on. Raises restirpg.Error where a renderer refuses the pose."""
         pane = self.panes[0]
-        shown = pane.renderer.camera
+        shown = pane.renderer.camera if pane.placed else None
         pane.place(pose)
         pane.place(shown)
         self._look_from(pose, follows=False)
@@ -157,9 +157,8 @@ class Session:
         return min(max(0.0, self.time + self.speed / 30), self.scene.duration)
 
     def place(self, pane):
-        """Camera and scene time of a graph. A renderer that was never placed elsewhere follows the scene's own camera."""
-        if pane.placed or not self.follows:
-            pane.place(self.camera)
+        """Give a graph the camera and the scene's time."""
+        pane.place(None if self.follows else self.camera)
         if self.scene.duration > 0:
             pane.renderer.set_time(self.time)
 
