@@ -128,7 +128,9 @@ def test_changes_are_tested_and_corrected_for_all_tests_of_the_table(tmp_path):
     for scene, differences in (("room", (0.1, 0.2)), ("hall", (0.1, 0.3))):
         for tile, difference in enumerate(differences):
             lines += [f"{scene},first,{tile},0.5", f"{scene},second,{tile},{0.5 - difference}"]
-    (tmp_path / "tiles.csv").write_text("\n".join([*lines, "shed,first,0,1", "shed,second,0,2", "yard,first,0,1"]) + "\n")
+    (tmp_path / "tiles.csv").write_text(
+        "\n".join([*lines, "shed,first,0,1", "shed,second,0,2", "yard,first,0,1"]) + "\n"
+    )
     page = tmp_path / "page.md"
     page.write_text('<!-- table: tiles.csv value=mape pairs=second/first second="the second" -->\n')
     done = run(page)
