@@ -61,6 +61,8 @@ def read_runs(page, file, frame, value):
             rows = list(csv.DictReader(stream))
     except OSError as error:
         raise UserError(f"{page}: its file {page.parent / file} cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise UserError(f"{page}: its file {page.parent / file} is no text in UTF-8") from None
     columns = list(rows[0]) if rows else []
     if not {*NAMES[:2]} <= set(columns) or not {*NAMES[3:]} & set(columns):
         raise UserError(f"{page}: {file} is no runs.csv of scripts/compare.py: it lacks scene, method, seed, or a row")
@@ -178,7 +180,10 @@ def rewritten(page):
     """The page's text with its tables as their files give them."""
 
     def write(match):
-        options = dict(option.partition("=")[::2] for option in shlex.split(match["options"]))
+        try:
+            options = dict(option.partition("=")[::2] for option in shlex.split(match["options"]))
+        except ValueError as error:
+            raise UserError(f"{page}: {match[1].strip()}: {error}") from None
         return f"{match[1]}\n{table(page, match['file'], options)}\n"
 
     text = page.read_text()

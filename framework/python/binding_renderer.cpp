@@ -308,7 +308,9 @@ void bindMeasurements(py::class_<SharedRenderer>& renderer)
     renderer.def("gpu_times", shared(&Renderer::gpuTimes), "GPU time of the last frame: {pass: ms}.")
         .def("total_gpu_times", shared(&Renderer::totalGpuTimes),
              "GPU time of all frames since the last cut: {pass: ms}.")
-        .def("memory", shared(&Renderer::memory), "Device memory: {\"scene\" or \"pass.output\": bytes}.")
+        .def("memory", shared(&Renderer::memory),
+             "Device memory: {\"scene\", \"pass.output\" or, of what a pass kept within the last frame, "
+             "\"pass.scratch\": bytes}.")
         .def_property_readonly("device_info", &deviceInfo,
                                "The device: a dictionary of name, driver, type and backend.");
 }

@@ -1,7 +1,5 @@
 #include "render/executor.h"
 
-#include "core/memory.h"
-
 #include <algorithm>
 
 namespace restirpg {
@@ -14,7 +12,7 @@ Executor::Executor(Device& device, std::unique_ptr<Graph> graph, uint32_t width,
     uint64_t bytes = 0;
     for (const auto& plan : graph_->resources())
         bytes += plan.copies() * copyBytes(plan, graph_->passes()[plan.pass]);
-    checkFits(fmt::format("graph '{}'", graph_->name()), bytes);
+    checkFits(device_, fmt::format("graph '{}'", graph_->name()), width_, height_, bytes);
     for (const auto& plan : graph_->resources())
         resources_.push_back({plan, allocate(plan, graph_->passes()[plan.pass])});
     constants_ = device_.createBuffer(sizeof(FrameConstants), "frame constants");
@@ -47,18 +45,10 @@ uint64_t Executor::copyBytes(const PlannedResource& plan, const GraphPass& pass)
     return bytes;
 }
 
-/// A CPU's buffers lie in the machine's memory: who takes too much of it is killed without a word.
-void Executor::checkFits(const std::string& place, uint64_t bytes) const
-{
-    if (device_.isCpu())
-        checkMemory(place, fmt::format("a frame of {}x{} pixels", width_, height_), bytes,
-                    "give a smaller --size or a --window");
-}
-
 Executor::Copies Executor::allocate(const PlannedResource& plan, const GraphPass& pass)
 {
     const uint64_t bytes = copyBytes(plan, pass);
-    checkFits(placeOf(pass), plan.copies() * bytes);
+    checkFits(device_, placeOf(pass), width_, height_, plan.copies() * bytes);
     Copies copies;
     for (uint32_t copy = 0; copy < plan.copies(); ++copy)
         copies[copy] = device_.createBuffer(bytes, pathOf(pass, pass.interface.outputs()[plan.output].name));
@@ -200,6 +190,7 @@ void Executor::record(VkCommandBuffer commands, const BindingSet& bindings)
         // Both stamps wait for all earlier work, so that the passes' times are disjoint and add up to the frame's.
         vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, 2 * i);
         runPlugin(placeOf(pass) + ": ", [&] { pass.pass->record(frame); });
+        scratch_[pass.name] = frame.takeScratchBytes();
         vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, 2 * i + 1);
         device_.endLabel(commands);
     }
@@ -237,6 +228,9 @@ std::map<std::string, uint64_t> Executor::memory() const
         bytes[pathOf(pass, pass.interface.outputs()[resource.plan.output].name)] =
             resource.copies[0].bytes() + resource.copies[1].bytes();
     }
+    for (const auto& [pass, size] : scratch_)
+        if (size > 0)
+            bytes[pass + ".scratch"] += size;
     return bytes;
 }
 

@@ -41,7 +41,8 @@ public:
 
     const std::map<std::string, double>& times() const { return times_; }  ///< ms a pass, last frame
     const std::map<std::string, double>& totalTimes() const { return totalTimes_; }  ///< ms a pass since the last cut
-    std::map<std::string, uint64_t> memory() const;  ///< bytes per "pass.output"
+    /// Bytes per "pass.output" and, of what passes kept within the last frame, per "pass.scratch".
+    std::map<std::string, uint64_t> memory() const;
 
 private:
     /// An output's buffers: one, or two that alternate when somebody reads last frame's value.
@@ -53,7 +54,6 @@ private:
 
     using Copies = std::array<Buffer, 2>;
     uint64_t copyBytes(const PlannedResource& plan, const GraphPass& pass) const;
-    void checkFits(const std::string& place, uint64_t bytes) const;
     Copies allocate(const PlannedResource& plan, const GraphPass& pass);
     void build(GraphPass& pass);
     using Replacement = std::pair<Resource*, Copies>;  ///< what takes the place of its copies
@@ -72,6 +72,7 @@ private:
     VkQueryPool queries_ = VK_NULL_HANDLE;
     std::map<std::string, double> times_;
     std::map<std::string, double> totalTimes_;
+    std::map<std::string, uint64_t> scratch_;  ///< bytes per pass, last frame
 };
 
 }  // namespace restirpg

@@ -1,8 +1,18 @@
 #include "render/frame.h"
 
+#include "core/memory.h"
 #include "gpu/device.h"
 
+#include <fmt/format.h>
+
 namespace restirpg {
+
+void checkFits(const Device& device, const std::string& place, uint32_t width, uint32_t height, uint64_t bytes)
+{
+    if (device.isCpu())
+        checkMemory(place, fmt::format("a frame of {}x{} pixels", width, height), bytes,
+                    "give a smaller --size or a --window");
+}
 
 void Frame::barrier()
 {
@@ -16,9 +26,20 @@ void Frame::barrier()
 
 uint64_t Frame::scratch(Buffer& buffer, uint64_t bytes, const char* name)
 {
-    if (buffer.bytes() < bytes)
+    if (buffer.bytes() < bytes) {
+        checkFits(device_, name, width_, height_, bytes);
         buffer = device_.createBuffer(bytes, name);
+    }
+    scratch_[&buffer] = buffer.bytes();
     return buffer.address();
+}
+
+uint64_t Frame::takeScratchBytes()
+{
+    uint64_t sum = 0;
+    for (const auto& [buffer, bytes] : std::exchange(scratch_, {}))
+        sum += bytes;
+    return sum;
 }
 
 void Frame::copy(const Buffer& from, const Buffer& to)

@@ -5,7 +5,15 @@
 #include "gpu/kernel.h"
 #include "graph/pass.h"
 
+#include <map>
+#include <string>
+#include <utility>
+
 namespace restirpg {
+
+/// On a CPU: throws Error, beginning with `place`, where so many bytes of a frame do not fit the memory. A CPU's
+/// buffers lie in the machine's memory: who takes too much of it is killed without a word.
+void checkFits(const Device& device, const std::string& place, uint32_t width, uint32_t height, uint64_t bytes);
 
 /// Handed to Pass::record. A barrier stands before every dispatch, so each sees what those before it wrote.
 class Frame {
@@ -45,6 +53,9 @@ public:
     /// frame.
     uint64_t scratch(Buffer& buffer, uint64_t bytes, const char* name);
 
+    /// Bytes of the buffers that scratch() was asked for since the last call.
+    uint64_t takeScratchBytes();
+
     /// Copy all of a buffer into another of its size.
     void copy(const Buffer& from, const Buffer& to);
 
@@ -59,6 +70,7 @@ private:
     uint64_t constants_;
     uint32_t width_, height_, index_;
     bool reset_;
+    std::map<const Buffer*, uint64_t> scratch_;
 };
 
 /// Address of an optional port's buffer: 0 when the port is not wired.

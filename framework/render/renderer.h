@@ -115,7 +115,7 @@ public:
     /// Milliseconds a pass, measured by the device's timestamps: of the last frame; summed since the last cut.
     const std::map<std::string, double>& gpuTimes() const;
     const std::map<std::string, double>& totalGpuTimes() const;
-    /// Bytes: "scene", and each "pass.output".
+    /// Bytes: "scene", and those of Executor::memory.
     std::map<std::string, uint64_t> memory() const;
 
     const Scene& scene() const { return *scene_; }

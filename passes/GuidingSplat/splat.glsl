@@ -8,7 +8,7 @@
 
 layout(push_constant, scalar) uniform Push { GuidingSplatParameters params; };
 
-/// Not so small that its inverse would leave the fixed point's range.
+/// Distances below it count as it, so that inverse distances are at most 1000.
 const float SHORTEST_DISTANCE = 1e-3;
 
 /// A vertex with its weight, and the direction and distance (m) that it looks to.
@@ -39,8 +39,10 @@ uint strangeness(float log_density)
 void add_distance(uint slot, Sample s, vec4 shares)
 {
     GuidingDistanceSumsArray sums = guiding_distance_sums(params.statistics, params.capacity);
-    for (uint k = 0u; k < GUIDING_LOBES; ++k)
-        atomicAdd(sums.at[slot].lanes[k], uint64_t(to_fixed(s.weight * shares[k] / max(s.distance, SHORTEST_DISTANCE))));
+    for (uint k = 0u; k < GUIDING_LOBES; ++k) {
+        float weight = min(s.weight * shares[k] / max(s.distance, SHORTEST_DISTANCE), float(GUIDING_LARGEST_WEIGHT));
+        atomicAdd(sums.at[slot].lanes[k], uint64_t(to_fixed(weight)));
+    }
 }
 
 /// The sample as it would look to the same target from another place, `offset` away.  [shaders/README: Parallax]

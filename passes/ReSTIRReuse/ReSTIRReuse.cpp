@@ -2,8 +2,6 @@
 #include "graph/neighbour_knobs.h"
 #include "render/frame.h"
 
-#include <algorithm>
-
 namespace restirpg {
 
 static_assert(sizeof(PathReservoir) == 88);

@@ -1,4 +1,4 @@
-// The parameters of the kernels of ReSTIRReuse, but for Vertices.comp.
+// The parameters of the kernels of ReSTIRReuse.
 #ifndef RESTIRPG_RESTIR_REUSE_PUSH_GLSL
 #define RESTIRPG_RESTIR_REUSE_PUSH_GLSL
 

@@ -22,6 +22,15 @@ def test_times_and_memory_are_reported_for_every_pass(renderer):
     assert renderer.size == SIZE
 
 
+def test_what_a_pass_keeps_within_a_frame_is_in_its_memory(scene):
+    """A path per pixel between two stages of reuse, and with pairs 40 B per pixel and partner, of which there are 6."""
+    for name, bytes_per_pixel in (("restir_pg", 88), ("restir_pg_plus", 88 + 6 * 40)):
+        renderer = make_renderer(scene, restirpg.load_graph(GRAPH.with_name(f"{name}.py")))
+        assert "reuse.scratch" not in renderer.memory()
+        renderer.render(2)
+        assert renderer.memory()["reuse.scratch"] == SIZE[0] * SIZE[1] * bytes_per_pixel
+
+
 def test_the_memory_of_a_scene_is_what_it_takes_now(renderer):
     renderer.render(1)
     before = renderer.memory()["scene"]

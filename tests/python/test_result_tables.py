@@ -99,6 +99,7 @@ def test_a_figure_that_the_file_does_not_have_is_found(page):
         ("frame=4 value=mape methods=first,secnd", "methods=secnd: there are: first, second; did you mean 'second'?"),
         ("frame=4 value=mape scenes=rom", "scenes=rom: there are: room, hall; did you mean 'room'?"),
         ("frame=4 value=mape against=frst", "against=frst: there are: first, second; did you mean 'first'?"),
+        ('frame=4 value=mape first="no', "No closing quotation"),
         ("frame=4 value=mape pairs=second/frst", "pairs=frst: there are: first, second; did you mean 'first'?"),
         ("frame=4 value=mape pairs=second", "give pairs=a/b,c/d, without against and methods"),
         ("frame=4 value=mape pairs=second/first against=first", "give pairs=a/b,c/d, without against and methods"),

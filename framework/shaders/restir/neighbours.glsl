@@ -103,7 +103,7 @@ bool choose_compatible(Address surfaces, uvec2 at, Appearance centre, NeighbourR
         Appearance there;
         if (!draw_neighbour(surfaces, at, centre, rules, u.xy, candidate, there))
             continue;
-                float score = compatibility(centre, position, there, seen_position(pixel_place(candidate), there));
+        float score = compatibility(centre, position, there, seen_position(pixel_place(candidate), there));
         if (resample(sum, score, u.z))
             pixel = candidate;
     }

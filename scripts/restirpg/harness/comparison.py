@@ -341,7 +341,7 @@ class Comparison:
         if not self.corners or not plan.batches or self.settings.reference_batches < 2:
             return {}
         stacks = {
-            view: np.array([np.nan_to_num(self.cache.need(job.key)["image"]) for job in jobs])
+            view: np.array([reference.finite(self.cache.need(job.key)["image"]) for job in jobs])
             for view, jobs in plan.batches.items()
         }
         views = [stacks[view] for view in plan.views.values()]

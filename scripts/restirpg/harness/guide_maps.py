@@ -13,15 +13,14 @@ import restirpg
 from restirpg.colour import luminance
 from restirpg.harness import UserError, plots  # noqa: F401  (chooses matplotlib's backend and style)
 from restirpg.harness.guiding import (
-    CELL,
     LEARNT,
-    MEMORY,
     SAMPLE,
-    VERTEX,
     GuidedGraph,
+    added_rows,
     is_valid,
     mixture_of,
-    read_table,
+    read_guide,
+    splatted_paths,
     unpack_direction,
     vertex_face,
     vertex_scatter,
@@ -37,10 +36,10 @@ FACE_FRAMES = 64
 
 class Point:
     """A surface point: `position` (3,) in the world, `place` (3,) as kernels have it, from the scene's origin on,
-    `frame` (3, 3) whose last row is the normal, `key` of its cell."""
+    `frame` (3, 3) whose last row is the normal, `key` of its cell, `radius` of the scene."""
 
-    def __init__(self, position, place, normal, key):
-        self.position, self.place, self.key = position, place, key
+    def __init__(self, position, place, normal, key, radius):
+        self.position, self.place, self.key, self.radius = position, place, key, radius
         tangent = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
         tangent /= np.linalg.norm(tangent)
         self.frame = np.stack([tangent, np.cross(normal, tangent), normal])
@@ -105,21 +104,27 @@ class Learner:
             renderer.render(1)
             grid = self._names.grid(renderer)
             points = points or find_points(renderer, grid, self._pixels, self._size, self._strict)
-            directions, weights, keys = splatted(renderer, ".".join(self._port), grid, self._raw)
+            learns_from = (None, ".".join(self._port)) if self._raw else (self._names.splat,)
+            directions, weights, keys = learnt(renderer, grid, *learns_from)
             mine = [(keys == np.uint64(point.key)) & (weights > 0) for point in points]
             collected.append([(unpack_direction(directions[m]), weights[m]) for m in mine])
-        guide = read_table(renderer.read_port(f"{self._names.fit}.guide"), CELL, MEMORY)[1]
-        mixtures = [mixture_of(guide[point.key][0]) if point.key in guide else None for point in points]
+        guide = read_guide(renderer.read_port(f"{self._names.fit}.guide"))[1]
+        mixtures = [mixture_of(guide[point.key]) if point.key in guide else None for point in points]
         return points, [list(samples) for samples in zip(*collected)], mixtures
 
 
-def splatted(renderer, port, grid, raw=False):
-    """Packed directions, weights and keys of the last frame's vertices, or (raw) samples, at `port`."""
-    data = renderer.read_port(port).view(SAMPLE if raw else VERTEX)
-    data = data[is_valid(data)]
+def learnt(renderer, grid, splat, samples=None):
+    """Packed directions, weights and keys of what a guide has learnt from in the last frame: the raw samples at the port
+    `samples`, or (None) paths; only those that the GuidingSplat of the name `splat` (None: there is none) has added."""
+    if samples is None:
+        data, weights = splatted_paths(renderer, splat)
+    else:
+        data = renderer.read_port(samples).view(SAMPLE)
+        data = added_rows(renderer, splat, data).ravel() if splat else data
+        data = data[is_valid(data)]
+        weights = data["weight"] * vertex_scatter(data)
     positions = grid.positions(data["position"])
     keys = grid.keys(positions, vertex_face(data), data["surface"] & 0xFFFF)[0]
-    weights = data["weight"] * vertex_scatter(data) if raw else np.ones(len(data))
     return data["direction"], weights, keys
 
 
@@ -150,7 +155,7 @@ def find_points(renderer, grid, pixels, size, strict=True):
         normal = images["normal"][y, x].astype(float)
         axis = np.abs(normal).argmax()
         face, material = np.array([2 * axis + (normal[axis] < 0)]), images["material"][y, x].astype(int)
-        points.append(Point(position, place, normal, int(grid.keys(place[None], face, material)[0][0])))
+        points.append(Point(position, place, normal, int(grid.keys(place[None], face, material)[0][0]), grid.radius))
     return points
 
 
@@ -187,7 +192,7 @@ def _product(point, renderer):
     directions, weights = [], []
     for forward, above in ((normal, x), (x, normal), (-x, normal), (y, normal), (-y, normal)):
         renderer.cut()
-        eye = point.position + 1e-4 * normal
+        eye = point.position + 2e-5 * point.radius * normal
         renderer.move_camera(position=eye, target=eye + forward, up=above, yfov=np.pi / 2)
         renderer.render(FACE_FRAMES)
         d = forward + right[..., None] * np.cross(forward, above) + up[..., None] * above
@@ -221,7 +226,9 @@ def histograms(samples, point):
 
 def score(histogram, effective, product, random):
     """(divergence from the product, that of as many independent draws, chi-square over degrees of
-    freedom)."""
+    freedom). NaN where the product is 0 everywhere."""
+    if product.sum() == 0:
+        return np.nan, np.nan, np.nan
     n = max(round(effective), 1)
     draws = random.multinomial(n, product.ravel() / product.sum(), 20) / n
     least = np.mean([divergence(draw.reshape(product.shape), product) for draw in draws])
@@ -233,7 +240,7 @@ def score(histogram, effective, product, random):
 
 
 def lobes_in(mixture, point):
-    """The mixture's mass in each bin, normalised over the hemisphere."""
+    """The mixture's mass in each bin, normalised over the hemisphere (0 where all of it is below the horizon)."""
     fine = 8
     z = 1 - (np.arange(ROWS * fine) + 0.5) / (ROWS * fine)
     phi = (np.arange(COLUMNS * fine) + 0.5) / (COLUMNS * fine) * 2 * np.pi - np.pi
@@ -241,16 +248,22 @@ def lobes_in(mixture, point):
     r = np.sqrt(1 - z * z)
     w = np.stack([r * np.cos(phi), r * np.sin(phi), z], -1).reshape(-1, 3) @ point.frame
     density = np.exp(mixture.log_density(w)).reshape(ROWS, fine, COLUMNS, fine).sum((1, 3))
-    return density / density.sum()
+    return density / max(density.sum(), 1e-30)
+
+
+def top_of(maps):
+    """The density that a row of maps shows as white: of the first map that has any, the quantile 0.99 of its bins, or the
+    largest where that is 0."""
+    first = next((values for values in maps if values is not None and values.any()), np.ones(1))
+    return float(np.quantile(first, 0.99)) or float(first.max())
 
 
 def draw(rows, titles):
-    """A figure of maps: rows [(label, [map or None])], densities on one scale a row, that of its first
-    map."""
+    """A figure of maps: rows [(label, [map or None])], densities on one scale per row, see top_of."""
     figure = Figure(figsize=(4 * len(titles), 0.3 + 1.5 * len(rows)))
     axes = figure.subplots(len(rows), len(titles), squeeze=False)
     for row, (label, maps) in zip(axes, rows):
-        top = max(np.quantile(maps[0], 0.99), 1e-12)
+        top = top_of(maps)
         for axis, picture, title in zip(row, maps, titles):
             axis.set_xticks([])
             axis.set_yticks([])

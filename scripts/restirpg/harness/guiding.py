@@ -94,6 +94,14 @@ def unpack_direction(bits):
     return w / np.linalg.norm(w, axis=-1, keepdims=True)
 
 
+def read_guide(raw):
+    """Header and {key: CELL} of GuidingFit's guide, whether or not its cells remember samples."""
+    header = header_of(raw)
+    cells_end = constant("GUIDING_HEADER_BYTES") + int(header["capacity"]) * (8 + CELL.itemsize)
+    table = read_table(raw, *([CELL, MEMORY] if len(raw) > cells_end else [CELL]))[1]
+    return header, {key: cells[0] for key, cells in table.items()}
+
+
 @dataclass
 class Grid:
     """Keys of a frame: `camera` (3,), `scale`: largest side over distance, `origin` (3,), `smallest` side, m,
@@ -172,6 +180,30 @@ def grid_of(header, smallest_cell):
     )
 
 
+def grid_of_splat(renderer, splat):
+    """The Grid of the renderer's last frame, by the name of its GuidingSplat."""
+    return grid_of(header_of(renderer.read_port(f"{splat}.statistics")), renderer.get(f"{splat}.smallest_cell"))
+
+
+def added_rows(renderer, splat, records):
+    """Of records per pixel those in rows of pixels that the GuidingSplat of this name has added in the last frame, (rows, ...)."""
+    height = renderer.size[1]
+    step = -(-height // renderer.get(f"{splat}.rows"))
+    return records.reshape(height, -1)[(renderer.frame - 1) % step :: step]
+
+
+def splatted_paths(renderer, splat):
+    """VERTEX records that the GuidingSplat of this name has added in the last frame, and their weights. The renderer's graph is
+    one of with_learnt_paths."""
+    knobs = renderer.knobs()[splat]
+    rows = added_rows(renderer, splat, renderer.read_port(f"{LEARNT}.vertices").view(VERTEX))
+    bounces = rows.reshape(-1, constant("PATH_TOLD"))[:, : knobs["learned_bounces"]]
+    unwanted = {"all": 0, "scattered": LIGHT_SAMPLED, "none": FINAL}[knobs["final_edges"]]
+    vertices = bounces[is_valid(bounces) & (bounces["surface"] & unwanted == 0)]
+    weights = 1 / vertex_scatter(vertices) if knobs["incident"] else np.ones(len(vertices))
+    return vertices, np.minimum(weights, constant("GUIDING_LARGEST_WEIGHT"))
+
+
 def passes_of(description, *types):
     """Names of a graph's passes of these types, the last of each; raises UserError where it has none."""
     names = {entry["type"]: entry["name"] for entry in description["passes"]}
@@ -187,8 +219,8 @@ def with_learnt_paths(description):
     """A copy of a graph's description with a pass LEARNT of type PathVertices: its output `vertices` has the bounces that the
     graph's GuidingSplat learns from. None where that learns from `samples`, or there is none."""
     splats = [entry["inputs"] for entry in description["passes"] if entry["type"] == "GuidingSplat"]
-    wired = next((inputs for inputs in splats if inputs.get("paths")), None)
-    if wired is None:
+    wired = splats[-1] if splats else {}
+    if not wired.get("paths"):
         return None
     added = {"name": LEARNT, "type": "PathVertices", "inputs": {name: wired[name] for name in ("surface", "paths")}}
     return {**description, "passes": [*description["passes"], added]}
@@ -203,8 +235,7 @@ class GuidedGraph:
 
     def grid(self, renderer):
         """The Grid of the renderer's last frame."""
-        header = header_of(renderer.read_port(f"{self.splat}.statistics"))
-        return grid_of(header, renderer.get(f"{self.splat}.smallest_cell"))
+        return grid_of_splat(renderer, self.splat)
 
 
 @dataclass

@@ -13,6 +13,11 @@ def key_of_batches(jobs):
     return digest(" ".join(job.key for job in jobs).encode())
 
 
+def finite(image):
+    """The image with 0 in place of what is no finite number."""
+    return np.nan_to_num(image, nan=0, posinf=0, neginf=0)
+
+
 def combine(cache, jobs):
     """Merge finished batches into one result, keep it under key_of_batches, and return it.
 
@@ -24,7 +29,7 @@ def combine(cache, jobs):
     sums = dict.fromkeys(("wall_ms", "invalid", "dropped"), 0)
     for number, job in enumerate(jobs, 1):  # Welford: one batch in memory at a time
         batch = cache.need(job.key)
-        image = np.nan_to_num(batch["image"].astype(float), nan=0, posinf=0, neginf=0)
+        image = finite(batch["image"].astype(float))
         step = image - mean
         mean = mean + step / number
         squares = squares + step * (image - mean)

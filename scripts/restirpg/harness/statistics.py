@@ -28,18 +28,11 @@ class Test:
     dof: float
     p: float
 
-    def interval(self, coverage=0.95):
-        """Half the width of the confidence interval."""
-        return float(t_quantile(0.5 + coverage / 2, self.dof) * self.se) if self.dof > 0 else float("nan")
-
     def smallest_detectable(self, tests=1):
         """The difference found with probability POWER at LEVEL over `tests` tests (Holm's first step)."""
         if not self.dof > 0:
             return float("nan")
         return float((t_quantile(1 - LEVEL / tests / 2, self.dof) + t_quantile(POWER, self.dof)) * self.se)
-
-
-UNTESTED = Test(float("nan"), float("nan"), 0, float("nan"))
 
 
 def _t_test(difference, se, dof):

@@ -41,6 +41,7 @@ def save(session, pane, file):
     attributes = restirpg.read_exr_attributes(file)
     graph = json.loads(attributes["restirpg.graph"])
     graph["passes"] = [entry for entry in graph["passes"] if entry["name"] != LEARNT]
+    graph["outputs"] = [entry for entry in graph["outputs"] if entry["pass"] != LEARNT]
     attributes["restirpg.graph"] = json.dumps(graph)
     if session.keep:
         attributes |= {f"restirpg.{name}": text for name, text in {"frames": str(pane.frames), **_KEPT}.items()}

@@ -35,16 +35,16 @@ def at_pixel(pane, probe, session, pixel, with_product):
         maps["lobes"] = guide_maps.lobes_in(mixture, point)
         order = [i for i in np.argsort(-mixture.weight, kind="stable") if mixture.weight[i] > 0]
         told.update(lobes=[(float(mixture.kappa[i]), float(mixture.weight[i])) for i in order], **learnt)
-    port = guide.learns_from
-    if port in pane.renderer.memory():
-        directions, weights, keys = guide_maps.splatted(pane.renderer, port, grid, raw=chains)
+    splat, samples = guide.learns_from
+    if samples is None or samples in pane.renderer.memory():
+        directions, weights, keys = guide_maps.learnt(pane.renderer, grid, splat, samples)
         mine = directions[(keys == np.uint64(point.key)) & (weights > 0)]
         told["directions"] = len(mine)
         if len(mine):
             maps["directions of this frame"] = point.histogram(guiding.unpack_direction(mine), np.ones(len(mine)))
     if not maps:
         raise UserError(f"nothing guides at pixel {pixel[0]} {pixel[1]} yet")
-    return {**told, "maps": _encoded(maps)}
+    return {**told, "maps": _encoded(maps, guide_maps.top_of(maps.values()))}
 
 
 class _MixtureGuide:
@@ -52,15 +52,19 @@ class _MixtureGuide:
 
     def __init__(self, pane):
         names = guiding.GuidedGraph(pane.description)
-        self.grid, self.learns_from = names.grid(pane.renderer), pane.learnt_vertices
-        self._cells = guiding.read_table(pane.renderer.read_port(f"{names.fit}.guide"), guiding.CELL, guiding.MEMORY)[1]
+        self.grid = names.grid(pane.renderer)
+        self.learns_from = names.splat, None if pane.learnt_vertices else f"{names.paths}.samples"
+        header, self._cells = guiding.read_guide(pane.renderer.read_port(f"{names.fit}.guide"))
+        learns_alpha = header["options"] & guiding.LEARNS_ALPHA
+        self._alpha = None if learns_alpha else float(pane.renderer.get(f"{names.paths}.alpha"))
 
     def at(self, point):
         """The Mixture at a point and what is told of it; None: there is none."""
         if point.key not in self._cells:
             return None
-        cell = self._cells[point.key][0]
-        learnt = {"age": int(cell["age"]), "alpha": guiding.alpha_of(cell), "samples": float(cell["samples"])}
+        cell = self._cells[point.key]
+        alpha = guiding.alpha_of(cell) if self._alpha is None else self._alpha
+        learnt = {"age": int(cell["age"]), "alpha": alpha, "samples": float(cell["samples"])}
         return guiding.mixture_of(cell), learnt
 
 
@@ -72,7 +76,7 @@ class _ChainGuide:
         raw = pane.renderer.read_port(f"{chain}.guide")
         self._header, self._cells = guiding.chain_header_of(raw), guiding.read_table(raw, guiding.CHAIN_CELL)[1]
         self.grid = guiding.grid_of(guiding.header_of(raw), pane.renderer.get(f"{chain}.smallest_cell"))
-        self.learns_from = f"{paths}.samples"
+        self.learns_from = None, f"{paths}.samples"
         self._alpha = pane.renderer.get(f"{paths}.alpha")
 
     def at(self, point):
@@ -88,9 +92,8 @@ class _ChainGuide:
         return guiding.chain_mixture_of(cell, point.place, self._header), learnt
 
 
-def _encoded(maps):
-    """PNGs of densities on one scale, that of the first map."""
-    limit = max(float(np.quantile(next(iter(maps.values())), 0.99)), 1e-12)
+def _encoded(maps, limit):
+    """PNGs of densities from 0 to `limit`."""
     larger = {name: np.kron(values, np.ones((_LARGER, _LARGER))) for name, values in maps.items()}
     return {
         name: base64.b64encode(pictures.png(pictures.heat(values, limit))).decode() for name, values in larger.items()

@@ -159,7 +159,7 @@ class Pane:
 
     @property
     def memory(self):
-        """Bytes of the graph's buffers, without those of LEARNT."""
+        """Bytes of the scene and of the graph's buffers, without those of LEARNT."""
         return sum(size for port, size in self.renderer.memory().items() if port != self.learnt_vertices)
 
     @property

@@ -47,7 +47,7 @@ def heat(values, limit):
 
 def port(image, name, exposure):
     """A port's values (H, W, C) as colours: directions, vectors and numbers are scaled to what can be seen."""
-    if "normal" in name:
+    if "normal" in name.rpartition(".")[2] and image.shape[2] == 3:
         return np.clip(127.5 + 127.5 * np.nan_to_num(image), 0, 255).astype(np.uint8)
     if image.shape[2] == 3:
         return radiance(image, exposure)

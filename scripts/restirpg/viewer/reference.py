@@ -69,9 +69,11 @@ class Reference:
     def trace(self, pose, seconds, knobs):
         """One more frame of this view, with these knobs everywhere; another view begins anew. Returns whether there was
         one to render."""
-        if self.source != "traced" or self.frames >= MOST_FRAMES:
+        if self.source != "traced":
             return False
         view = (pose, seconds, knobs)
+        if view == self._view and self.frames >= MOST_FRAMES:
+            return False
         if view != self._view:
             self._renderer.cut()
             self._renderer.move_camera(**pose)

@@ -4,13 +4,13 @@ framework/shaders/restir/path_reservoir_types.h, light_reservoir_types.h and pat
 import numpy as np
 
 from restirpg.harness import guiding
-from restirpg.records import fields_of, record
+from restirpg.records import constant, fields_of, record
 
 from . import camera
 
 PATH = record("PathReservoir")
 LIGHT = record("LightReservoir", point=fields_of(record("LightPoint")))
-_NONE = 0xFFFFFFFF
+_NONE, _LIGHT_SAMPLED = 0xFFFFFFFF, constant("PATH_LIGHT_SAMPLED")
 _LABELS = ("smooth", "sharp reflection", "sharp transmission")
 _ARROW = 0.25  # of a vertex's distance from the camera: length of the last edge, whose end is not stored
 
@@ -49,15 +49,17 @@ def describe_light(record):
 
 def describe_path(record):
     """[(what, meaning)] of a PathReservoir."""
-    edges, reconnects = int(record["shape"]) & 255, int(record["shape"]) >> 8 & 255
+    shape = int(record["shape"])
+    edges, reconnects = shape & (_LIGHT_SAMPLED - 1), shape >> 8 & 255
     if edges == 0:
         return [("empty", "no path was found here"), *(_weights(record) if record["confidence"] > 0 else ())]
     lines = [
-        (f"a path of {edges} edges", "camera, " + ", ".join(f"x{u}" for u in range(1, edges)) + f", light x{edges}")
+        (f"a path of {edges} edges", "camera, " + ", ".join(f"x{u}" for u in range(1, edges)) + f", light x{edges}"),
+        ("its light was sampled" if shape & _LIGHT_SAMPLED else "its light was met by scattering", "how it ends"),
     ]
     bounces = []
     for u in range(1, edges):
-        delta = " (delta)" if record["shape"] >> (15 + u) & 1 else ""
+        delta = " (delta)" if shape >> (15 + u) & 1 else ""
         bounces.append(f"x{u} {_LABELS[min(record['labels'] >> (2 * u - 2) & 3, 2)]}{delta}")
     lines.append((", ".join(bounces), "how it leaves each vertex"))
     if reconnects == 0:
@@ -87,9 +89,9 @@ def at_pixel(pane, x, y):
 
 
 def path_at_pixel(pane, x, y, pose):
-    """The smooth vertices of the path that the pixel has selected, as places in the picture: {points: [[u, v] or null],
-    fractions of the picture; bounces: [u], their numbers; light: [u, v] or null, towards the light beyond the last}.
-    None where no guide learns from selected paths, or the pixel has no path."""
+    """The smooth vertices of the pixel's path that the guide learns from, as places in the picture: {points: [[u, v] or
+    null], fractions of the picture; bounces: [u], their numbers; light: [u, v] or null, towards the light beyond the last}.
+    None where no guide learns from paths, or the pixel has none."""
     if pane.learnt_vertices is None:
         return None
     width, height = pane.renderer.size
@@ -99,7 +101,8 @@ def path_at_pixel(pane, x, y, pose):
     if bounces.size == 0:
         return None
     vertices = vertices[bounces]
-    grid = guiding.GuidedGraph(pane.description).grid(pane.renderer)
+    (splat,) = guiding.passes_of(pane.description, "GuidingSplat")
+    grid = guiding.grid_of_splat(pane.renderer, splat)
     # Seen from the camera, since kernels' places are the world's only where the scene is not far off.
     points = grid.positions(vertices["position"]) - grid.camera + pane.renderer.camera["position"]
     last, leaves = points[-1], guiding.unpack_direction(vertices["direction"][-1:])[0]

@@ -5,6 +5,7 @@ picture when it has shown the last one, so a slow one drops frames.
 """
 
 import asyncio
+import contextlib
 import functools
 import hmac
 import json
@@ -48,8 +49,12 @@ class Client:
         self.notes = deque(maxlen=20)
         self.news = asyncio.Event()
 
-    async def send_on(self):
-        """Send what is new until the socket closes."""
+    async def send_until_closed(self):
+        """Send what is new until the tab is gone, or this is cancelled."""
+        with contextlib.suppress(ConnectionError):
+            await self._send_on()
+
+    async def _send_on(self):
         while True:
             await self.news.wait()
             self.news.clear()
@@ -136,7 +141,7 @@ class Server:
         await socket.prepare(request)
         self._count += 1
         client = Client(self._count, socket)
-        sender = asyncio.ensure_future(client.send_on())
+        sender = asyncio.ensure_future(client.send_until_closed())
         self._clients.append(client)
         self._greet(client)
         try:

@@ -43,7 +43,8 @@ def test_the_radiance_told_of_a_path_is_that_of_the_pass(session, pixel):
     (radiance,) = [what.partition("= ")[2].split() for what in path if what.startswith("f W")]
     np.testing.assert_allclose([float(value) for value in radiance], pixel["panes"][0]["reuse.radiance"], rtol=2e-3)
     edges = int(path[0].split()[3])
-    assert edges > max(pixel["paths"][0]["bounces"]) and path[1].startswith("x1 smooth")
+    assert edges > max(pixel["paths"][0]["bounces"]) and edges <= 1 + session.panes[0].bounces + 1
+    assert path[2].startswith("x1 smooth")
     assert any(what.startswith(("a point of triangle", "empty")) for what, _ in told["direct.reservoirs"])
 
 
@@ -59,6 +60,7 @@ def test_the_selected_path_begins_at_the_pixel_and_stays_in_the_scene(session, p
 def test_times_memory_and_files_are_the_graphs_own(session, tmp_path):
     """Without the pass that tells the viewer what paths are."""
     plain = restirpg.Renderer(session.scene, restirpg.load_graph(GRAPH.with_name("restir_pg.py")), size=SIZE)
+    plain.render(2)
     passes = [entry["name"] for entry in session.panes[0].description["passes"]]
     assert guiding.LEARNT in session.panes[0].renderer.gpu_times() and guiding.LEARNT not in passes
     told = session.frame().header["panes"][0]
@@ -68,6 +70,7 @@ def test_times_memory_and_files_are_the_graphs_own(session, tmp_path):
     capture.save(session, session.panes[0], tmp_path / "saved.exr")
     saved = json.loads(restirpg.read_exr_attributes(tmp_path / "saved.exr")["restirpg.graph"])
     assert [entry["name"] for entry in saved["passes"]] == passes
+    restirpg.Renderer(session.scene, saved, size=SIZE)  # a graph as it is
 
 
 def test_points_are_projected_as_pixels_see_them(session):
@@ -95,11 +98,17 @@ def test_empty_and_light_reservoirs_in_words():
     path = np.zeros(1, reservoirs.PATH)
     path["shape"], path["labels"], path["confidence"] = 4 | 3 << 8 | 1 << 17, 1 << 2, 2
     words = [what for what, _ in reservoirs.describe_path(path[0])]
-    assert words[:3] == [
+    assert words[:4] == [
         "a path of 4 edges",
+        "its light was met by scattering",
         "x1 smooth, x2 sharp reflection (delta), x3 smooth",
         "it reconnects at x3",
     ]
+    path["shape"] = 3 | 3 << 8 | 1 << 7
+    path["anchor"] = 0xFFFFFFFF, 5
+    told = reservoirs.describe_path(path[0])
+    assert [what for what, _ in told[:2]] == ["a path of 3 edges", "its light was sampled"]
+    assert told[3] == ("it reconnects at its light, x3", "light 5 of the table")
 
 
 def test_the_guide_at_a_pixel_is_that_of_the_harness(session, scene):
@@ -114,12 +123,56 @@ def test_the_guide_at_a_pixel_is_that_of_the_harness(session, scene):
         "lobes": guide_maps.lobes_in(mixture, point),
         "directions of this frame": point.histogram(directions, weights),
     }
-    assert told["directions"] == len(directions) > 0 and told["maps"] == guide._encoded(maps)
-    cell = guiding.read_table(session.panes[0].renderer.read_port("fit.guide"), guiding.CELL, guiding.MEMORY)[1][
-        point.key
-    ][0]
-    assert told["alpha"] == guiding.alpha_of(cell) and told["samples"] == cell["samples"] > 0
+    assert told["directions"] == len(directions) > 0
+    assert told["maps"] == guide._encoded(maps, guide_maps.top_of([maps["lobes"]]))
+    cell = guiding.read_guide(session.panes[0].renderer.read_port("fit.guide"))[1][point.key]
+    assert told["alpha"] == 0.5 and told["samples"] == cell["samples"] > 0
     assert sum(weight for _, weight in told["lobes"]) == pytest.approx(1, abs=0.01)
+
+
+def test_a_guide_of_other_knobs_is_told(scene):
+    """The alpha that paths have, and a guide that keeps no samples, whose cells have no memory."""
+    session = Session(scene, [GRAPH.with_name("restir_pg.py")], SIZE, validation=True)
+    for knob, value in (("paths.alpha", 0.25), ("fit.keep_samples", False)):
+        session.apply({"do": "set", "pane": 0, "knob": knob, "value": value})
+    for _ in range(FRAMES):
+        session.render()
+    told = session.inspector.guide(0, *FLOOR)
+    assert told["alpha"] == 0.25 and told["samples"] > 0
+    session.apply({"do": "set", "pane": 0, "knob": "fit.learn_alpha", "value": True})
+    for _ in range(FRAMES):
+        session.render()
+    cells = guiding.read_guide(session.panes[0].renderer.read_port("fit.guide"))[1].values()
+    told = session.inspector.guide(0, *FLOOR)["alpha"]
+    assert told in [guiding.alpha_of(cell) for cell in cells] and told not in (0.25, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("graph", "knobs"),
+    [
+        ("restir_pg.py", {}),
+        ("restir_pg.py", {"splat.rows": 8, "splat.learned_bounces": 1}),
+        ("guided_by_candidates.py", {"splat.final_edges": "none"}),
+        ("restir_pg.py", {"splat.final_edges": "scattered", "splat.incident": True}),
+    ],
+)
+def test_what_a_guide_learns_from_is_what_is_splatted(scene, graph, knobs):
+    description = guiding.with_learnt_paths(restirpg.load_graph(GRAPH.with_name(graph)).description)
+    renderer = restirpg.Renderer(scene, description, size=SIZE, outputs=[f"{guiding.LEARNT}.vertices"], validation=True)
+    for knob, value in knobs.items():
+        renderer.set(knob, value)
+    renderer.render(3)
+    header, table, _ = guiding.read_table(renderer.read_port("splat.statistics"), guiding.SUMS)
+    vertices, weights = guiding.splatted_paths(renderer, "splat")
+    assert header["failed"] == 0 and len(vertices) == sum(int(sums["count"]) for (sums,) in table.values()) > 100
+    assert (weights == 1).all() != ("splat.incident" in knobs)
+
+
+def test_maps_without_light_have_a_scale():
+    dark, narrow = np.zeros((8, 32)), np.zeros((8, 32))
+    narrow[3, 4] = 0.5
+    assert guide_maps.top_of([dark, None, narrow]) == 0.5 and guide_maps.top_of([dark]) == 1
+    assert np.isnan(guide_maps.score(narrow, 3, dark, np.random.default_rng(1))).all()
 
 
 def test_the_true_product_is_of_the_time_and_of_the_renderers_options(flying, monkeypatch):

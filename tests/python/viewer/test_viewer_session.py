@@ -8,6 +8,7 @@ from viewer_sessions import SIZE, depth_graph, images
 from restirpg.colour import relative_error
 from restirpg.harness import UserError
 from restirpg.viewer import capture, pictures
+from restirpg.viewer import reference as reference_module
 from restirpg.viewer.pane import Mean
 from restirpg.viewer.session import Session
 
@@ -172,6 +173,15 @@ def test_the_label_says_what_the_error_view_shows(session):
     assert [(pane["mape"], pane["no_error"]) for pane in header["panes"]] == [(None, why)] * 2
     session.apply({"do": "view", "name": "image"})
     assert session.frame().header["labels"] == ["Path tracer", "Path tracer: gbuffer.normal"]
+
+
+def test_a_traced_reference_that_has_all_its_frames_begins_anew_elsewhere(scene, monkeypatch):
+    monkeypatch.setattr(reference_module, "MOST_FRAMES", 2)
+    session = Session(scene, [GRAPH], SIZE, validation=True)
+    session.apply({"do": "reference", "source": "traced"})
+    view, other = ((pose, 0.0, {}) for pose in (session.camera, {**session.camera, "yfov": 0.5}))
+    assert [session.reference.trace(*view) for _ in range(3)] == [True, True, False]
+    assert session.reference.trace(*other) and session.reference.frames == 1
 
 
 def test_a_graph_of_another_bounce_cap_than_the_references_has_no_error_map(session):
