@@ -11,7 +11,7 @@ The file is the runs.csv of scripts/compare.py, or has its columns scene, method
 frames. Columns are its scenes, rows its methods: the mean over seeds of the value at that frame, ± one standard error,
 and the change against a method, paired by seed or tile. `value` is a column of the file (mape, relmse; gpu_ms_total, in
 older files gpu_ms: per frame, in a file without frames as it is), `methods=a,b` and `scenes=a,b` choose and order, and
-a method's name as an option gives its row a title: restir_pt="no guiding".
+the name of a method or of a scene as an option gives it a title: restir_pt="no guiding".
 
 With pairs=a/b,c/d in place of `against` and `methods` rows are scenes, columns the changes of a against b and of c
 against d, ± one standard error, each with the p-value of the paired t-test, corrected by Holm's method for all tests of
@@ -125,7 +125,7 @@ def changes(runs, scenes, pairs, titles):
         return change(*both[key]) + ("" if math.isnan(p_values[key]) else f", p = {p_values[key]:.1g}")
 
     names = [" against ".join(titles.get(name, name) for name in pair) for pair in pairs]
-    rows = [[scene, *(told((scene, *pair)) for pair in pairs)] for scene in scenes]
+    rows = [[titles.get(scene, scene), *(told((scene, *pair)) for pair in pairs)] for scene in scenes]
     return [["", *names], ["---"] * (len(pairs) + 1), *rows]
 
 
@@ -146,18 +146,20 @@ def table(page, file, options):
     value, against = options["value"], options.get("against")
     runs = read_runs(page, file, options.get("frame"), value)
     chosen = {}
+    names = []
     for place, name in enumerate(("scenes", "methods")):
         known = list(dict.fromkeys(key[place] for key in runs))
+        names += known
         chosen[name] = options[name].split(",") if name in options else known
         for one in chosen[name]:
             check_name(page, name, one, known)
     if against is not None:
         check_name(page, "against", against, known)
     for name in options.keys() - OPTIONS:
-        check_name(page, "an option", name, [*sorted(OPTIONS), *known])
+        check_name(page, "an option", name, [*sorted(OPTIONS), *names])
     if "pairs" in options:
         return written(changes(runs, chosen["scenes"], pairs_of(page, options, known), options))
-    lines = [["", *chosen["scenes"]], ["---"] * (len(chosen["scenes"]) + 1)]
+    lines = [["", *(options.get(scene, scene) for scene in chosen["scenes"])], ["---"] * (len(chosen["scenes"]) + 1)]
     for method in chosen["methods"]:
         cells = [
             cell(

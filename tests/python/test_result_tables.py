@@ -90,7 +90,7 @@ def test_a_figure_that_the_file_does_not_have_is_found(page):
         ("value=mape", "frame must be given, as in frame=12: runs.csv has several"),
         (
             "frame=4 value=mape secnd=other",
-            "an option=secnd: there are: against, frame, methods, pairs, scenes, value, first, second",
+            "an option=secnd: there are: against, frame, methods, pairs, scenes, value, room, hall, first, second",
         ),
         ("frame=5 value=mape", "frame=5: no run of runs.csv has it"),
         ("frame=last value=mape", "frame=last: it is a whole number"),
@@ -133,12 +133,12 @@ def test_changes_are_tested_and_corrected_for_all_tests_of_the_table(tmp_path):
         "\n".join([*lines, "shed,first,0,1", "shed,second,0,2", "yard,first,0,1"]) + "\n"
     )
     page = tmp_path / "page.md"
-    page.write_text('<!-- table: tiles.csv value=mape pairs=second/first second="the second" -->\n')
+    page.write_text('<!-- table: tiles.csv value=mape pairs=second/first second="the second" shed="a shed" -->\n')
     done = run(page)
     assert done.returncode == 0, done.stderr
     assert page.read_text().partition("\n\n")[2] == (
         "|  | the second against first |\n| --- | --- |\n| room | -30.0 ± 10.0%, p = 0.4 |\n"
-        "| hall | -40.0 ± 20.0%, p = 0.4 |\n| shed | +100.0% |\n| yard | — |\n\n"
+        "| hall | -40.0 ± 20.0%, p = 0.4 |\n| a shed | +100.0% |\n| yard | — |\n\n"
     )
 
 
