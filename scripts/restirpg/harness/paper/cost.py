@@ -102,7 +102,12 @@ def memory_table(results):
             )
     header = ["method", "bytes per pixel", *(name for name in PASSES if name not in ("splat", "fit"))]
     header.append("tables of cells, MiB, whatever the size")
-    return Table("cost_memory", "Memory of ports, where what a later frame reads is there twice, and of what passes keep within a frame", tuple(header), rows)
+    return Table(
+        "cost_memory",
+        "Memory of ports, where what a later frame reads is there twice, and of what passes keep within a frame",
+        tuple(header),
+        rows,
+    )
 
 
 def guide_table(paper, results):
