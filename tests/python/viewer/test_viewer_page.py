@@ -180,6 +180,8 @@ def test_a_second_click_stops_the_film_and_starts_no_other(browser, graph_file):
 
 
 def test_the_camera_is_copied_as_a_command_line(browser):
+    browser.run("page.send('orbit', { x: 0.1, y: 0 })")
+    browser.wait("page.header.panes[0].command.includes('--pose=')")
     browser.run("page.copied = []; page.copy = text => page.copied.push(text)")
     browser.run(
         "const copy = document.querySelector('#copy'); for (const kind of ['call', 'json', 'command']) "
@@ -192,6 +194,8 @@ def test_the_camera_is_copied_as_a_command_line(browser):
         and "--pose=" in command
         and "own.py" in command
     )
+    browser.run("page.send('home')")  # the scene's own camera, which no option has to name
+    browser.wait("!page.header.panes[0].command.includes('--pose=')")
 
 
 def test_the_command_line_is_of_the_frames_that_are_shown(browser):
